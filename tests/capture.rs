@@ -15,6 +15,7 @@ use enact::wire::live::{
 };
 use enact::write::TrackerPublisher;
 
+#[allow(dead_code)]
 #[path = "capture/harness.rs"]
 mod harness;
 #[path = "capture/kills.rs"]

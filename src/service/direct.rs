@@ -282,7 +282,7 @@ impl<'a> Talk<'a> {
                 let hearers = self.publisher.control(command, session, sequence, at_ns)?;
                 asked = (hearers > 0).then(Instant::now);
             }
-            while let Some(answered) = self.answers.next()? {
+            while let Some(answered) = self.answers.receive()? {
                 let answer = serde_json::from_str(&answered.json)
                     .context("the daemon's answer is not understood: is it another version?")?;
                 if (answered.session, answered.sequence) == (session, sequence) {
@@ -312,7 +312,7 @@ impl<'a> Talk<'a> {
                     return Ok(self.heard.swap_remove(at));
                 }
                 self.heard.clear();
-                while let Some(answered) = self.answers.next()? {
+                while let Some(answered) = self.answers.receive()? {
                     self.heard.extend(serde_json::from_str(&answered.json));
                 }
                 thread::sleep(POLL);

@@ -2,9 +2,9 @@
 
 use serde_json::Value;
 
-use super::SCENE;
 use super::harness::{Daemon, House, Patience};
 use super::socket::{Viewer, get, post};
+use super::{SCENE, metrics};
 
 fn state(url: &str) -> Value {
     let (status, body) = get(url, "/state");
@@ -84,7 +84,10 @@ fn a_take_is_directed_from_the_page_and_from_no_other() {
 #[test]
 fn viewers_are_warned_of_a_silent_tracker_until_it_is_there_again() {
     let house = House::new();
-    let mut daemon = Daemon::start(&house, SCENE, &["--viewer-port", "0"]);
+    let ports = ["--viewer-port", "0", "--metrics-port", "0"];
+    let mut daemon = Daemon::start(&house, SCENE, &ports);
+    let url = daemon.ready["metrics"].as_str().expect("served").to_owned();
+    let silent = "enact_tracker_silent{topic=\"/tracker/pencil/pose\"}";
     let shown = daemon.ready["viewer"].as_str().expect("served").to_owned();
     let mut early = Viewer::new(&shown, 8);
     let load = ["--load", "1", "--names", "pencil", "--rate-hz", "200"];
@@ -93,6 +96,7 @@ fn viewers_are_warned_of_a_silent_tracker_until_it_is_there_again() {
     assert_eq!(said["level"], 1);
     let text = said["message"].as_str().expect("text");
     assert_eq!(text, "/tracker/pencil/pose: its tracker fell silent");
+    assert_eq!(metrics(&url)[silent], 1.0);
     // One who comes late is told, too.
     let mut late = Viewer::new(&shown, 8);
     assert_eq!(late.text("status")["message"], text);

@@ -17,7 +17,7 @@ use crate::wire::live::{
 const AT_ONCE: usize = 4096;
 
 /// A record that arrived.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Arrived {
     /// A reading on one of the scene's streams, in the order of [`stream_topics`].
     Pose {
@@ -31,13 +31,13 @@ pub enum Arrived {
     /// A mark.
     Mark(MarkRecord),
     /// What a director says of the take.
-    Label(LabelRecord),
+    Label(Box<LabelRecord>),
     /// A command.
     Control(ControlRecord),
 }
 
 /// A record with its arrival.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Arrival {
     /// When it was taken from iceoryx2.
     pub at: Instant,
@@ -130,7 +130,8 @@ impl Listening {
             }
         }
         self.marks.take(into, Arrived::Mark)?;
-        self.labels.take(into, Arrived::Label)
+        self.labels
+            .take(into, |record| Arrived::Label(Box::new(record)))
     }
 
     /// Takes the commands that have arrived. Samples sent before a command have arrived when the
@@ -188,7 +189,7 @@ impl AnswerListener {
 
     /// The next whole answer, if there is one. One of which a part was lost, or that is not UTF-8,
     /// is left out.
-    pub fn next(&mut self) -> Result<Option<Answered>, LiveError> {
+    pub fn receive(&mut self) -> Result<Option<Answered>, LiveError> {
         while let Some(record) = self.answers.next()? {
             let is_next = self.parts.last().is_some_and(|last| {
                 last.sequence == record.sequence && last.part.checked_add(1) == Some(record.part)

@@ -85,7 +85,7 @@ impl Director {
                     return Err(format!("the rating is {rating}, expected 1 to 5"));
                 }
                 let label = LabelRecord::new(0, now_ns(), name, note, *rating);
-                self.send(Arrived::Label(label))?;
+                self.send(Arrived::Label(Box::new(label)))?;
                 self.command(Command::Stop)
             }
             Order::Mark { event } => {

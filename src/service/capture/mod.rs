@@ -83,7 +83,7 @@
 //! not said yet what they want, the oldest of which makes room for one more, and 32 viewers; fewer
 //! where the process may have fewer than about 550 descriptors, of which 256 are left for trackers and
 //! takes. All viewers together take at most 64 MiB; one that takes ten seconds for a message, or answers
-//! no ping for twenty, is sent away. What others can make the daemon log is logged every ten seconds at most, with how often it
+//! no ping for thirty, is sent away. What others can make the daemon log is logged every ten seconds at most, with how often it
 //! happened.
 //!
 //! `/health` is 200 while a take could be begun and written, else 503 with the reasons: the last take

@@ -17,7 +17,7 @@ use super::metrics::Metrics;
 use super::notice::{Notice, Shown, Speaker};
 use crate::motion::{Scene, TakeEvent};
 use crate::pipeline::Preview;
-use crate::report::gravest;
+use crate::report::{gravest, printable};
 use crate::service::words;
 
 /// After an estimate that takes longer than this, the thread rests four times as long.
@@ -146,7 +146,10 @@ impl Previewer {
             // Expected with the first samples, and with those right after a mark.
             Err(error) => {
                 self.metrics.no_preview();
-                tracing::debug!(take, marks, error = %words(&error), "no estimate so far");
+                // It may name a mark, as it came.
+                let error = words(&error);
+                let error = printable(&error);
+                tracing::debug!(take, marks, %error, "no estimate so far");
             }
         }
         took

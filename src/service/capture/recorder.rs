@@ -153,7 +153,7 @@ impl Recorder {
         }
         let Some(take) = &mut state.take else {
             state.outside += 1;
-            return state.preroll.keep(*arrival);
+            return state.preroll.keep(arrival.clone());
         };
         if let Err(error) = journal(take, arrival) {
             self.give_up(state, &error);

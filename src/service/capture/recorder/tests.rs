@@ -29,8 +29,9 @@ fn the_journal_is_synced_as_often_as_said() {
         status: watch::Sender::new(Status::default()),
         metrics,
         feed: None,
+        orders: std::sync::mpsc::channel().1,
     };
-    let mut state = RecorderState::new();
+    let mut state = RecorderState::new(&recorder);
     recorder.start(&mut state, None);
     let take = state.take.as_ref().expect("a take");
     let inode = std::fs::metadata(take.journal.part()).expect("there").ino();

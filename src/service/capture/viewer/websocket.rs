@@ -128,6 +128,8 @@ impl Server {
             .write_buffer_size(0)
             .max_frame_size(Some(RECEIVED_BYTES))
             .max_message_size(Some(RECEIVED_BYTES));
+        // The type of a refusal is that of the library.
+        #[allow(clippy::result_large_err)]
         let answer = |request: &Request, mut response: Response| {
             if let Err((status, why)) = self.may_watch(request) {
                 return Err(refusal(status, why));
