@@ -82,7 +82,13 @@ fn rows(line: impl Fn(usize, &PoseSample) -> String) -> String {
 fn plain_csv() -> String {
     let rows = rows(|_, of| {
         let ([qx, qy, qz, qw], p) = (of.quaternion_xyzw, of.position_m);
-        format!("{qw},{qx},{qy},{qz},{},{},{},{}", p.z, p.y, p.x, of.stamp.seconds_since(enact::motion::Stamp(0)))
+        format!(
+            "{qw},{qx},{qy},{qz},{},{},{},{}",
+            p.z,
+            p.y,
+            p.x,
+            of.stamp.seconds_since(enact::motion::Stamp(0))
+        )
     });
     format!("qw,qx,qy,qz,z,y,x,t\n{rows}")
 }
@@ -95,7 +101,10 @@ fn motive_csv() -> String {
         let q = UnitQuaternion::new_normalize(nalgebra::Quaternion::new(qw, qx, qy, qz));
         let (q, p) = (back * q, back * of.position_m);
         let time_s = index as f64 / RATE_HZ;
-        format!("{index},{time_s:.6},{},{},{},{},{},{},{}", q.i, q.j, q.k, q.w, p.x, p.y, p.z)
+        format!(
+            "{index},{time_s:.6},{},{},{},{},{},{},{}",
+            q.i, q.j, q.k, q.w, p.x, p.y, p.z
+        )
     });
     format!(
         "Format Version,1.23,Take Name,drop,Export Frame Rate,200.000000,Rotation Type,Quaternion,Length Units,Meters,Coordinate Space,Global\n\n\
@@ -110,7 +119,13 @@ fn motive_csv() -> String {
 fn vicon_csv() -> String {
     let rows = rows(|index, of| {
         let ([qx, qy, qz, qw], p) = (of.quaternion_xyzw, of.position_m * 1e3);
-        format!("{},0,{qx},{qy},{qz},{qw},{},{},{}", index + 7, p.x, p.y, p.z)
+        format!(
+            "{},0,{qx},{qy},{qz},{qw},{},{},{}",
+            index + 7,
+            p.x,
+            p.y,
+            p.z
+        )
     });
     format!(
         "Objects\n200\n,,Ball:Ball,,,,,,\nFrame,Sub Frame,RX,RY,RZ,RW,TX,TY,TZ\n,,,,,,mm,mm,mm\n{rows}"
@@ -204,14 +219,21 @@ fn every_table_becomes_the_same_recording_without_a_flag() {
         let arguments = ["import", name, "--scene", "scene.toml", "-o", "x.mcap"];
         let ran = bench.enact(&arguments);
         assert_eq!(ran.code, Some(0), "{name}: {}{}", ran.stdout, ran.stderr);
-        assert!(ran.stdout.contains("axes and units agree"), "{name}: {}", ran.stdout);
+        assert!(
+            ran.stdout.contains("axes and units agree"),
+            "{name}: {}",
+            ran.stdout
+        );
         let found = bench.poses("x.mcap");
         let truth = truth();
         assert_eq!(found.len(), truth.len(), "{name}");
         let origin = found[0].stamp.0;
         for (found, truth) in found.iter().zip(&truth) {
             assert_eq!(found.stamp.0 - origin, truth.stamp.0, "{name}");
-            assert!((found.position_m - truth.position_m).norm() < 1e-9, "{name}: {found:?}");
+            assert!(
+                (found.position_m - truth.position_m).norm() < 1e-9,
+                "{name}: {found:?}"
+            );
             let parts = found.quaternion_xyzw.iter().zip(truth.quaternion_xyzw);
             let cosine: f64 = parts.map(|(a, b)| a * b).sum();
             assert!(1.0 - cosine.abs() < 1e-12, "{name}: {found:?}");
@@ -224,13 +246,17 @@ fn every_table_becomes_the_same_recording_without_a_flag() {
 
 #[test]
 fn a_wrong_guess_is_seen_by_what_falls_and_said_with_the_flag() {
-    let millimetres = plain_csv().replace("z,y,x,t", "z,y,x,t");
-    let millimetres: String = {
+    let millimetres = {
         let rows = rows(|index, of| {
             let ([qx, qy, qz, qw], p) = (of.quaternion_xyzw, of.position_m * 1e3);
-            format!("{},{},{},{},{qx},{qy},{qz},{qw}", index as f64 / RATE_HZ, p.x, p.y, p.z)
+            format!(
+                "{},{},{},{},{qx},{qy},{qz},{qw}",
+                index as f64 / RATE_HZ,
+                p.x,
+                p.y,
+                p.z
+            )
         });
-        assert!(!millimetres.is_empty());
         format!("t,x,y,z,qx,qy,qz,qw\n{rows}")
     };
     // Without Motive's head nothing says that y is up.
@@ -238,8 +264,16 @@ fn a_wrong_guess_is_seen_by_what_falls_and_said_with_the_flag() {
     let (_, rows) = motive.split_once("W,X,Y,Z\n").unwrap();
     let y_up = format!("frame,t,qx,qy,qz,qw,x,y,z\n{rows}");
     for (text, advice, flags) in [
-        (&millimetres, "positions are in millimetres, not in metres; expected --length-unit mm", ["--length-unit", "mm"]),
-        (&y_up, "falls along −y as read with z-up; its world is right-handed, y up, metres: glTF, Maya: expected --from y-up", ["--from", "y-up"]),
+        (
+            &millimetres,
+            "positions are in millimetres, not in metres; expected --length-unit mm",
+            ["--length-unit", "mm"],
+        ),
+        (
+            &y_up,
+            "falls along −y as read with z-up; its world is right-handed, y up, metres: glTF, Maya: expected --from y-up",
+            ["--from", "y-up"],
+        ),
     ] {
         let bench = Bench::new(&[("ball.csv", text)]);
         let arguments = ["import", "ball.csv", "-o", "x.mcap"];
@@ -255,16 +289,61 @@ fn a_wrong_guess_is_seen_by_what_falls_and_said_with_the_flag() {
     let bench = Bench::new(&[("ball.csv", &plain_csv())]);
     let ran = bench.enact(&["import", "ball.csv", "--from", "openvr", "-o", "x.mcap"]);
     assert_eq!(ran.code, Some(3), "{}", ran.stdout);
-    assert!(ran.stdout.contains("expected --from z-up"), "{}", ran.stdout);
+    assert!(
+        ran.stdout.contains("expected --from z-up"),
+        "{}",
+        ran.stdout
+    );
+}
+
+#[test]
+fn positions_too_large_for_a_room_are_doubted() {
+    // Carried about, so that nothing falls.
+    let text = rows(|index, _| {
+        let s = index as f64 / RATE_HZ;
+        format!(
+            "{s},{},{},1000,0,0,0,1",
+            40_000.0 * s,
+            500.0 * (3.0 * s).sin()
+        )
+    });
+    let bench = Bench::new(&[("hand.csv", &format!("t,x,y,z,qx,qy,qz,qw\n{text}"))]);
+    let ran = bench.enact(&["import", "hand.csv", "-o", "x.mcap"]);
+    assert_eq!(ran.code, Some(3), "{}", ran.stdout);
+    assert!(
+        ran.stdout
+            .contains("positions span 22000 m, taken in metres"),
+        "{}",
+        ran.stdout
+    );
+    let ran = bench.enact(&["import", "hand.csv", "-o", "x.mcap", "--length-unit", "mm"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.stdout);
 }
 
 #[test]
 fn a_take_is_cut_out_of_a_table_and_out_of_a_recording() {
     let bench = Bench::new(&[("ball.csv", &plain_csv())]);
     let cut = ["--start", "0.1", "--end", "0.4"];
-    let arguments = [&["import", "ball.csv", "-o", "a.mcap", "--mark", "0.3129:bounce", "--scene", "scene.toml"], &cut[..]].concat();
+    let arguments = [
+        &[
+            "import",
+            "ball.csv",
+            "-o",
+            "a.mcap",
+            "--mark",
+            "0.3129:bounce",
+            "--scene",
+            "scene.toml",
+        ],
+        &cut[..],
+    ]
+    .concat();
     let json = bench.json(&arguments);
-    assert_eq!((&json["left_out"], &json["marks"]), (&50.into(), &1.into()), "{json}");
+    assert_eq!(
+        (&json["left_out"], &json["marks"]),
+        (&50.into(), &1.into()),
+        "{json}"
+    );
     assert_eq!(json["bodies"][0]["poses"], 61);
     let listed = bench.json(&["inspect", "a.mcap"]);
     let time_s = listed["marks"][0]["time_s"].as_f64().unwrap();
@@ -273,9 +352,20 @@ fn a_take_is_cut_out_of_a_table_and_out_of_a_recording() {
     let json = bench.json(&["import", "ball.csv", "-o", "whole.mcap"]);
     assert_eq!(json["bodies"][0]["topic"], "/tracker/ball/pose");
     let whole = fs::read(bench.path("whole.mcap")).unwrap();
-    let arguments = ["import", "whole.mcap", "-o", "b.mcap", "--scene", "scene.toml"];
+    let arguments = [
+        "import",
+        "whole.mcap",
+        "-o",
+        "b.mcap",
+        "--scene",
+        "scene.toml",
+    ];
     let json = bench.json(&[&arguments, &cut[..]].concat());
-    assert_eq!((&json["copied"], &json["left_out"]), (&61.into(), &50.into()), "{json}");
+    assert_eq!(
+        (&json["copied"], &json["left_out"]),
+        (&61.into(), &50.into()),
+        "{json}"
+    );
     assert_eq!(bench.poses("b.mcap"), bench.poses("a.mcap"));
     assert_eq!(fs::read(bench.path("whole.mcap")).unwrap(), whole);
     let listed = bench.json(&["inspect", "b.mcap"]);
@@ -285,26 +375,50 @@ fn a_take_is_cut_out_of_a_table_and_out_of_a_recording() {
     fs::write(bench.path("other.toml"), other).unwrap();
     bench.json(&["import", "b.mcap", "-o", "c.mcap", "--scene", "other.toml"]);
     let listed = bench.json(&["inspect", "c.mcap"]);
-    assert_eq!((&listed["scene"], listed["attachments"].as_array().unwrap().len()), (&"another".into(), 1));
+    assert_eq!(
+        (
+            &listed["scene"],
+            listed["attachments"].as_array().unwrap().len()
+        ),
+        (&"another".into(), 1)
+    );
 }
 
 #[test]
 fn several_files_are_several_bodies() {
     let bench = Bench::new(&[("cup.csv", &plain_csv()), ("my hand.csv", &tum_txt())]);
     let topics = |more: &[&str]| -> Vec<String> {
-        let json = bench.json(&[&["import", "cup.csv", "my hand.csv", "-o", "x.mcap"], more].concat());
+        let json =
+            bench.json(&[&["import", "cup.csv", "my hand.csv", "-o", "x.mcap"], more].concat());
         let bodies = json["bodies"].as_array().unwrap().iter();
-        bodies.map(|body| body["topic"].as_str().unwrap().to_owned()).collect()
+        bodies
+            .map(|body| body["topic"].as_str().unwrap().to_owned())
+            .collect()
     };
     assert_eq!(topics(&[]), ["/tracker/cup/pose", "/tracker/my_hand/pose"]);
-    assert_eq!(topics(&["--topic", "my hand=/h", "--topic", "/c"]), ["/c", "/h"]);
+    assert_eq!(
+        topics(&["--topic", "my hand=/h", "--topic", "/c"]),
+        ["/c", "/h"]
+    );
     let listed = bench.json(&["inspect", "x.mcap"]);
     assert_eq!(listed["poses"][1]["topic"], "/h");
     assert_eq!(listed["poses"][1]["poses"], 111);
     // With a scene of one body it is to be said which is which.
-    let ran = bench.enact(&["import", "cup.csv", "my hand.csv", "-o", "y.mcap", "--scene", "scene.toml"]);
+    let ran = bench.enact(&[
+        "import",
+        "cup.csv",
+        "my hand.csv",
+        "-o",
+        "y.mcap",
+        "--scene",
+        "scene.toml",
+    ]);
     assert_eq!(ran.code, Some(1));
-    assert!(ran.stderr.contains("which body of the scene is \"cup\"?"), "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("which body of the scene is \"cup\"?"),
+        "{}",
+        ran.stderr
+    );
     assert!(!bench.path("y.mcap").exists());
 }
 
@@ -315,14 +429,25 @@ fn what_cannot_be_imported_is_refused_with_what_to_do() {
         ("ros2.db3", "SQLite format 3\0"),
         ("man.bvh", "HIERARCHY\nROOT Hips\n"),
         ("empty.csv", ""),
-        ("bad.csv", "t,x,y,z,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n0.01,1,2,oops,0,0,0,1\n"),
+        (
+            "bad.csv",
+            "t,x,y,z,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n0.01,1,2,oops,0,0,0,1\n",
+        ),
         ("ball.csv", &plain_csv()),
     ]);
     fs::write(bench.path("markers.c3d"), [2, 0x50, 0xff, 0xfe, 0]).unwrap();
     fs::write(bench.path("picture.png"), [0x89, b'P', 0xff, 0]).unwrap();
     for (input, code, message) in [
-        ("ros1.bag", 1, "rosbags-convert --src ros1.bag --dst ros1_mcap --dst-storage mcap"),
-        ("ros2.db3", 1, "rosbags-convert --src . --dst ros2_mcap --dst-storage mcap"),
+        (
+            "ros1.bag",
+            1,
+            "rosbags-convert --src ros1.bag --dst ros1_mcap --dst-storage mcap",
+        ),
+        (
+            "ros2.db3",
+            1,
+            "rosbags-convert --src . --dst ros2_mcap --dst-storage mcap",
+        ),
         ("man.bvh", 1, "is BVH"),
         ("markers.c3d", 1, "is C3D"),
         ("picture.png", 1, "neither UTF-8 text nor MCAP"),
@@ -337,16 +462,115 @@ fn what_cannot_be_imported_is_refused_with_what_to_do() {
     }
     for (arguments, code, message) in [
         (&["ball.csv", "-o", "ball.csv"][..], 1, "would replace"),
-        (&["ball.csv", "-o", "x.mcap", "--start", "3"], 1, "no pose is within --start and --end"),
-        (&["ball.csv", "-o", "x.mcap", "--mark", "0.3:jump", "--scene", "scene.toml"], 1, "no event \"jump\""),
-        (&["ball.csv", "-o", "x.mcap", "--from", "sideways"], 2, "motive-y-up"),
-        (&["ball.csv", "-o", "x.mcap", "--time-unit", "hours"], 2, "expected s, ms, us, ns or frame"),
+        (
+            &["ball.csv", "-o", "x.mcap", "--start", "3"],
+            1,
+            "no pose is within --start and --end",
+        ),
+        (
+            &[
+                "ball.csv",
+                "-o",
+                "x.mcap",
+                "--mark",
+                "0.3:jump",
+                "--scene",
+                "scene.toml",
+            ],
+            1,
+            "no event \"jump\"",
+        ),
+        (
+            &["ball.csv", "-o", "x.mcap", "--from", "sideways"],
+            2,
+            "motive-y-up",
+        ),
+        (
+            &["ball.csv", "-o", "x.mcap", "--time-unit", "hours"],
+            2,
+            "expected s, ms, us, ns or frame",
+        ),
         (&["ball.csv"], 2, "--output"),
     ] {
         let ran = bench.enact(&[&["import"], arguments].concat());
         assert_eq!(ran.code, Some(code), "{arguments:?}: {}", ran.stderr);
-        assert!(ran.stderr.contains(message), "{arguments:?}: {}", ran.stderr);
+        assert!(
+            ran.stderr.contains(message),
+            "{arguments:?}: {}",
+            ran.stderr
+        );
         assert!(!bench.path("x.mcap").exists());
     }
-    assert_eq!(fs::read_to_string(bench.path("ball.csv")).unwrap(), plain_csv());
+    assert_eq!(
+        fs::read_to_string(bench.path("ball.csv")).unwrap(),
+        plain_csv()
+    );
+}
+
+#[test]
+fn inspect_says_what_poses_are_like() {
+    let bench = Bench::new(&[("ball.csv", &plain_csv())]);
+    let lines = rows(|index, of| {
+        let p = of.position_m;
+        format!(
+            "{},{},{},{},0,0,0,1.25",
+            index as f64 / RATE_HZ,
+            p.x,
+            p.y,
+            p.z
+        )
+    });
+    fs::write(
+        bench.path("norm.csv"),
+        format!("t,x,y,z,qx,qy,qz,qw\n{lines}"),
+    )
+    .unwrap();
+    let ran = bench.enact(&["import", "norm.csv", "-o", "norm.mcap"]);
+    assert_eq!(ran.code, Some(3), "{}", ran.stdout);
+    assert!(
+        ran.stdout
+            .contains("111 of 111 quaternions have a norm other than 1, the first 1.250")
+    );
+    bench.json(&["import", "ball.csv", "-o", "ball.mcap"]);
+    let json = bench.json(&["inspect", "ball.mcap", "--scene", "scene.toml"]);
+    assert_eq!(json["scene"], "a ball is thrown and bounces");
+    assert!(json["complaint"].is_null(), "{json}");
+    let poses = &json["poses"][0];
+    assert_eq!(
+        (&poses["topic"], &poses["poses"]),
+        (&"/tracker/ball/pose".into(), &111.into())
+    );
+    assert_eq!(poses["frame_ids"], serde_json::json!(["world"]));
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let truth = truth();
+    for axis in 0..3 {
+        let along = || truth.iter().map(|of| of.position_m[axis]);
+        let (least, greatest) = (
+            along().fold(f64::MAX, f64::min),
+            along().fold(f64::MIN, f64::max),
+        );
+        let extent = &poses["extent_m"][axis];
+        assert!((number(&extent[0]) - least).abs() < 1e-12, "{poses}");
+        assert!((number(&extent[1]) - greatest).abs() < 1e-12, "{poses}");
+    }
+    assert!((number(&poses["norms"][0]) - 1.0).abs() < 1e-9);
+    let norm = bench.json(&["inspect", "norm.mcap"]);
+    assert_eq!(number(&norm["poses"][0]["norms"][1]), 1.25);
+    assert!(
+        norm["complaint"]
+            .as_str()
+            .unwrap()
+            .contains("expected one or --scene FILE")
+    );
+    let text = bench.enact(&["inspect", "norm.mcap"]).stdout;
+    for piece in ["x [m]", "-0.200 to -0.200", "1.2500 to 1.2500", "world"] {
+        assert!(text.contains(piece), "{text}");
+    }
+    let ran = bench.enact(&["inspect", "ball.mcap", "--scene", "absent.toml"]);
+    assert_eq!(ran.code, Some(1));
+    assert!(
+        ran.stderr.contains("absent.toml: cannot read the scene"),
+        "{}",
+        ran.stderr
+    );
 }

@@ -113,6 +113,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("rapier3d", &["src/settle.rs", "src/settle/"]),
     ("clarabel", &["src/optimise/"]),
     ("cdr", &["src/wire/"]),
+    ("csv", &["src/ingest/table/", "src/ingest/mark_list.rs"]),
     ("mcap", &["src/wire/", "src/ingest/", "src/write/"]),
     (
         "foxglove",

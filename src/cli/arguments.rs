@@ -311,7 +311,12 @@ pub(super) struct MarkArguments {
     #[arg(long, value_name = "FILE", requires = "output")]
     pub(super) from: Option<PathBuf>,
     /// Take them from the messages on a topic of the recording, such as a button's
-    #[arg(long, value_name = "TOPIC", requires = "output", conflicts_with = "from")]
+    #[arg(
+        long,
+        value_name = "TOPIC",
+        requires = "output",
+        conflicts_with = "from"
+    )]
     pub(super) from_topic: Option<String>,
     /// Write a copy of the recording with the marks
     #[arg(short, long, value_name = "FILE")]

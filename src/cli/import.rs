@@ -100,7 +100,10 @@ fn text(imported: &Imported) -> String {
         text += &format!("  copied    {copied} messages\n");
     }
     if imported.left_out > 0 {
-        text += &format!("  left out  {} before --start or after --end\n", imported.left_out);
+        text += &format!(
+            "  left out  {} before --start or after --end\n",
+            imported.left_out
+        );
     }
     if imported.marks > 0 {
         text += &format!("  marks     {}\n", imported.marks);

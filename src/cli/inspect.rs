@@ -97,11 +97,23 @@ fn poses(inspection: &Inspection) -> String {
                 extent(2),
                 norms.unwrap_or_else(|| "-".into()),
                 of.not_finite.to_string(),
-                if frames.is_empty() { "-".into() } else { frames },
+                if frames.is_empty() {
+                    "-".into()
+                } else {
+                    frames
+                },
             ]
         })
         .collect();
-    let head = ["poses", "x [m]", "y [m]", "z [m]", "norm", "not finite", "frame"];
+    let head = [
+        "poses",
+        "x [m]",
+        "y [m]",
+        "z [m]",
+        "norm",
+        "not finite",
+        "frame",
+    ];
     table("  ", &head, &rows)
 }
 

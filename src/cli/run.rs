@@ -9,7 +9,9 @@ use super::arguments::{Arguments, Command};
 use super::exit::Exit;
 #[cfg(feature = "live")]
 use super::{capture, doctor, take};
-use super::{completion, export, import, inspect, mark, output, process, recover, replay, scene, sketch};
+use super::{
+    completion, export, import, inspect, mark, output, process, recover, replay, scene, sketch,
+};
 use crate::service;
 
 /// Runs the command that the process was started with.

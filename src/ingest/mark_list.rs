@@ -55,13 +55,11 @@ impl MarkTime {
 
 /// The marks of a file: JSON where its name ends so, otherwise CSV. Fails where one has no time.
 pub fn marks_of_file(path: &Path, text: &str) -> Result<Vec<ListedMark>, IngestError> {
-    let is_json = path.extension().is_some_and(|of| of.eq_ignore_ascii_case("json"))
+    let is_json = path
+        .extension()
+        .is_some_and(|of| of.eq_ignore_ascii_case("json"))
         || text.trim_start().starts_with(['[', '{']);
-    let marks = if is_json {
-        of_json(text)
-    } else {
-        of_csv(text)
-    };
+    let marks = if is_json { of_json(text) } else { of_csv(text) };
     marks.map_err(|(line, message)| IngestError::Table {
         path: path.to_owned(),
         line,
@@ -99,7 +97,10 @@ fn of_json(text: &str) -> Result<Vec<ListedMark>, Fault> {
             (0, message)
         };
         if let Value::Number(number) = value {
-            return Ok((time(&number.to_string(), 9, false).ok_or_else(failed)?, None));
+            return Ok((
+                time(&number.to_string(), 9, false).ok_or_else(failed)?,
+                None,
+            ));
         }
         let found = TIMES.iter().find_map(|(name, power, is_stamp)| {
             let text = match value.get(*name)? {
@@ -110,7 +111,10 @@ fn of_json(text: &str) -> Result<Vec<ListedMark>, Fault> {
             Some(time(&text, *power, *is_stamp))
         });
         let event = EVENTS.iter().find_map(|name| value.get(*name)?.as_str());
-        Ok((found.flatten().ok_or_else(failed)?, event.map(str::to_owned)))
+        Ok((
+            found.flatten().ok_or_else(failed)?,
+            event.map(str::to_owned),
+        ))
     };
     listed.iter().enumerate().map(mark).collect()
 }
@@ -119,7 +123,9 @@ fn of_csv(text: &str) -> Result<Vec<ListedMark>, Fault> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let first = text.lines().next().unwrap_or_default();
     let delimiter = [b';', b'\t', b','];
-    let delimiter = delimiter.into_iter().find(|of| first.contains(char::from(*of)));
+    let delimiter = delimiter
+        .into_iter()
+        .find(|of| first.contains(char::from(*of)));
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(delimiter.unwrap_or(b','))
         .has_headers(false)
@@ -134,9 +140,9 @@ fn of_csv(text: &str) -> Result<Vec<ListedMark>, Fault> {
         let record = record.map_err(|error| (0, format!("no CSV: {error}")))?;
         let line = record.position().map_or(0, |at| at.line() as usize);
         let find = |name: &str| record.iter().position(|of| of.eq_ignore_ascii_case(name));
-        let head = TIMES.iter().find_map(|(name, power, is_stamp)| {
-            Some((find(name)?, *power, *is_stamp))
-        });
+        let head = TIMES
+            .iter()
+            .find_map(|(name, power, is_stamp)| Some((find(name)?, *power, *is_stamp)));
         if let (0, Some((column, power, is_stamp))) = (index, head) {
             let event = EVENTS.iter().find_map(|name| find(name));
             columns = (column, power, is_stamp, event);
@@ -156,7 +162,10 @@ fn of_csv(text: &str) -> Result<Vec<ListedMark>, Fault> {
         marks.push((time, event.map(str::to_owned)));
     }
     if marks.is_empty() {
-        return Err((0, "no marks, expected rows with a time and the name of an event".to_owned()));
+        return Err((
+            0,
+            "no marks, expected rows with a time and the name of an event".to_owned(),
+        ));
     }
     Ok(marks)
 }
@@ -178,11 +187,20 @@ mod tests {
         ];
         for (name, text) in [
             ("a.json", r#"[{"t_s": 0.41, "event": "bounce"}, 1.5]"#),
-            ("a.json", r#"{"marks": [{"time_s": "0.41", "name": "bounce"}, {"t_ms": 1500}]}"#),
-            ("a.txt", "{\"proposals\": [{\"t\": 0.41, \"event\": \"bounce\", \"score\": 3}, {\"t\": 1.5}]}\n"),
+            (
+                "a.json",
+                r#"{"marks": [{"time_s": "0.41", "name": "bounce"}, {"t_ms": 1500}]}"#,
+            ),
+            (
+                "a.txt",
+                "{\"proposals\": [{\"t\": 0.41, \"event\": \"bounce\", \"score\": 3}, {\"t\": 1.5}]}\n",
+            ),
             ("a.csv", "0.41,bounce\n1.5\n"),
             ("a.csv", "event;t_ms\nbounce;410\n;1500\n"),
-            ("a.csv", "\u{feff}# by hand\nt_s,event\n 0.41, bounce \n1.5,\n"),
+            (
+                "a.csv",
+                "\u{feff}# by hand\nt_s,event\n 0.41, bounce \n1.5,\n",
+            ),
         ] {
             assert_eq!(of(name, text).as_ref(), Ok(&expected), "{text}");
         }
@@ -196,7 +214,11 @@ mod tests {
             ("a.json", "[{\"event\": \"bounce\"}]", "mark 1 is"),
             ("a.json", "[", "a.json:1: no JSON"),
             ("a.json", "3", "no list of marks"),
-            ("a.csv", "0.41\nsoon,bounce\n", "a.csv:2: \"soon\" is no time"),
+            (
+                "a.csv",
+                "0.41\nsoon,bounce\n",
+                "a.csv:2: \"soon\" is no time",
+            ),
             ("a.csv", "t_s,event\n", "no marks"),
         ] {
             let error = of(name, text).unwrap_err();

@@ -35,7 +35,10 @@ impl Recording {
             .iter()
             .filter_map(|(id, channel)| {
                 let schema = container.schema_of(channel)?;
-                Some((*id, PoseFormat::of(&schema.name, &channel.message_encoding)?))
+                Some((
+                    *id,
+                    PoseFormat::of(&schema.name, &channel.message_encoding)?,
+                ))
             })
             .collect();
         let mut found: BTreeMap<(u16, String), PoseExtent> = BTreeMap::new();

@@ -137,9 +137,7 @@ impl Flown {
         // Up to the end of the flight after the last; to the end of all where not all are seen.
         let end = match (toss.flights.get(collisions), impacts.last()) {
             (Some(flight), _) => flight.end,
-            (None, Some(last)) if impacts.len() == collisions => {
-                begin + last + 2 * KEEP_SAMPLES
-            }
+            (None, Some(last)) if impacts.len() == collisions => begin + last + 2 * KEEP_SAMPLES,
             (None, _) => track.samples.len(),
         };
         let end = end.clamp(begin, track.samples.len());

@@ -57,8 +57,7 @@ pub(super) fn toss(scene: &Scene, index: TrackIndex, track: &TrackSketch) -> Opt
     if !(size > 0.0) || !does_not_fall_at_an_end(&times_s, &points, &pull) {
         return None;
     }
-    let is_flight =
-        |of: &Vector3<f64>, sd: f64| (of - pull).norm() <= PULL_SHARE * size + 3.0 * sd;
+    let is_flight = |of: &Vector3<f64>, sd: f64| (of - pull).norm() <= PULL_SHARE * size + 3.0 * sd;
     let found = falls(&times_s, &points, is_flight);
     // Stretches that follow each other without an impact are one flight.
     let mut flights: Vec<Range<usize>> = Vec::new();

@@ -241,8 +241,7 @@ fn recording(
     let mut of_all = Told::default();
     let mut left_out = 0;
     for (named, topic) in named.iter().zip(&topics) {
-        let mut samples: Vec<&PoseSample> =
-            named.body.samples.iter().filter(is_within).collect();
+        let mut samples: Vec<&PoseSample> = named.body.samples.iter().filter(is_within).collect();
         left_out += (named.body.samples.len() - samples.len()) as u64;
         samples.sort_by_key(|sample| sample.stamp);
         let told = told(named, &samples);
@@ -282,7 +281,10 @@ fn recording(
     let notes = |of: &dyn Fn(&PoseTable) -> Vec<String>| -> Vec<String> {
         let all = tables.iter().flat_map(|(file, table)| {
             let notes = of(table);
-            notes.into_iter().map(|note| of_file(file, &note)).collect::<Vec<_>>()
+            notes
+                .into_iter()
+                .map(|note| of_file(file, &note))
+                .collect::<Vec<_>>()
         });
         all.collect()
     };

@@ -8,8 +8,8 @@ use anyhow::{Context, bail, ensure};
 use serde::Serialize;
 
 pub use self::edit::MarkEdits;
-pub(super) use self::edit::{check_event, stamp_of};
 use self::edit::{Edited, edited, present};
+pub(super) use self::edit::{check_event, stamp_of};
 use super::finish::{Opened, check_distinct, lost, open, warnings};
 use super::inspect::{MarkLine, mark_line};
 use crate::ingest::Take;

@@ -50,11 +50,26 @@ pub const PRESETS: [Preset; 11] = [
     preset("y-up", "right-handed, y up, metres: glTF, Maya", Y_UP, M),
     preset("x-up", "right-handed, x up, metres", X_UP, M),
     preset("motive-y-up", "OptiTrack Motive: y up, metres", Y_UP, M),
-    preset("motive-z-up", "OptiTrack Motive, exported with z up, metres", Z_UP, M),
+    preset(
+        "motive-z-up",
+        "OptiTrack Motive, exported with z up, metres",
+        Z_UP,
+        M,
+    ),
     preset("vicon", "Vicon Tracker, Nexus: z up, millimetres", Z_UP, MM),
     preset("openvr", "SteamVR, OpenVR, OpenXR: y up, metres", Y_UP, M),
-    preset("unity", "Unity, Rokoko: left-handed, y up, metres", UNITY, M),
-    preset("unreal", "Unreal: left-handed, z up, centimetres", UNREAL, LengthUnit::Centimetre),
+    preset(
+        "unity",
+        "Unity, Rokoko: left-handed, y up, metres",
+        UNITY,
+        M,
+    ),
+    preset(
+        "unreal",
+        "Unreal: left-handed, z up, centimetres",
+        UNREAL,
+        LengthUnit::Centimetre,
+    ),
     Preset {
         time: Some(TimeUnit::Second),
         columns: Some("t,x,y,z,qx,qy,qz,qw"),
@@ -63,7 +78,12 @@ pub const PRESETS: [Preset; 11] = [
     Preset {
         time: Some(TimeUnit::Nanosecond),
         columns: Some("t,x,y,z,qw,qx,qy,qz"),
-        ..preset("euroc", "EuRoC: t [ns], x, y, z [m], qw, qx, qy, qz", Z_UP, M)
+        ..preset(
+            "euroc",
+            "EuRoC: t [ns], x, y, z [m], qw, qx, qy, qz",
+            Z_UP,
+            M,
+        )
     },
 ];
 
@@ -153,7 +173,12 @@ mod tests {
         let q = [q.i, q.j, q.k, q.w];
         for preset in PRESETS {
             let axes = Matrix3::from_fn(|r, c| f64::from(preset.axes[r][c]));
-            assert_eq!(axes.determinant() < 0.0, preset.is_mirrored(), "{}", preset.name);
+            assert_eq!(
+                axes.determinant() < 0.0,
+                preset.is_mirrored(),
+                "{}",
+                preset.name
+            );
             let point = [0.1, -0.4, 0.2];
             // A point of a body of a left-handed world has mirrored coordinates in ours.
             let ours = if preset.is_mirrored() {
@@ -164,7 +189,11 @@ mod tests {
             // The same formula makes the rotation in either handedness.
             let expected = axes * rotated(q, point);
             let found = rotated(preset.quaternion(q), ours);
-            assert!((found - expected).norm() < 1e-12, "{}: {found} {expected}", preset.name);
+            assert!(
+                (found - expected).norm() < 1e-12,
+                "{}: {found} {expected}",
+                preset.name
+            );
         }
     }
 

@@ -11,7 +11,10 @@ pub(super) enum Meaning {
     /// The number of a frame.
     Frame,
     /// A coordinate.
-    Position { axis: usize, unit: Option<LengthUnit> },
+    Position {
+        axis: usize,
+        unit: Option<LengthUnit>,
+    },
     /// A part of a quaternion by name: x, y, z, w.
     Quaternion(usize),
     /// A part of a quaternion by number.
@@ -49,10 +52,28 @@ fn words(name: &str) -> (Vec<String>, Option<String>) {
 }
 
 const POSITIONS: [&str; 11] = [
-    "", "p", "t", "pos", "position", "trans", "translation", "loc", "location", "com", "point",
+    "",
+    "p",
+    "t",
+    "pos",
+    "position",
+    "trans",
+    "translation",
+    "loc",
+    "location",
+    "com",
+    "point",
 ];
 const QUATERNIONS: [&str; 9] = [
-    "q", "quat", "quaternion", "orientation", "orient", "ori", "rot", "rotation", "attitude",
+    "q",
+    "quat",
+    "quaternion",
+    "orientation",
+    "orient",
+    "ori",
+    "rot",
+    "rotation",
+    "attitude",
 ];
 /// What a column with a name holds, if poses need it.
 pub(super) fn meaning(name: &str) -> Option<Meaning> {
@@ -64,8 +85,16 @@ pub(super) fn meaning(name: &str) -> Option<Meaning> {
     let unit = unit.as_deref();
     let last = words.last()?.as_str();
     let joined = words.join(" ");
-    if ["body", "object", "name", "tracker", "device", "rigid body", "child frame id"]
-        .contains(&joined.as_str())
+    if [
+        "body",
+        "object",
+        "name",
+        "tracker",
+        "device",
+        "rigid body",
+        "child frame id",
+    ]
+    .contains(&joined.as_str())
     {
         return Some(Meaning::Body);
     }
@@ -86,7 +115,10 @@ pub(super) fn meaning(name: &str) -> Option<Meaning> {
         });
     }
     if matches!(last, "frame" | "frames")
-        || matches!(joined.as_str(), "frame number" | "frame no" | "frame index" | "index")
+        || matches!(
+            joined.as_str(),
+            "frame number" | "frame no" | "frame index" | "index"
+        )
     {
         return Some(Meaning::Frame);
     }
@@ -164,7 +196,13 @@ mod tests {
             ("RotationW", Some(Meaning::Quaternion(3))),
             ("field.pose.orientation.y", Some(Meaning::Quaternion(1))),
             ("q3", Some(Meaning::Numbered(3))),
-            ("rx [deg]", Some(Meaning::Angle { axis: 0, is_degree: true })),
+            (
+                "rx [deg]",
+                Some(Meaning::Angle {
+                    axis: 0,
+                    is_degree: true,
+                }),
+            ),
             ("child_frame_id", Some(Meaning::Body)),
             ("rigid body", Some(Meaning::Body)),
             ("v_RS_R_x [m s^-1]", None),

@@ -42,9 +42,10 @@ pub(super) fn layout(
     };
     let mut position = [None; 3];
     for (axis, of) in position.iter_mut().enumerate() {
-        *of = one(["x", "y", "z"][axis], &|m| {
-            matches!(m, Meaning::Position { axis: of, .. } if *of == axis)
-        })?;
+        *of = one(
+            ["x", "y", "z"][axis],
+            &|m| matches!(m, Meaning::Position { axis: of, .. } if *of == axis),
+        )?;
     }
     let mut quaternion = [None; 4];
     let mut numbered = [None; 4];
@@ -54,7 +55,10 @@ pub(super) fn layout(
         quaternion[part] = one(name, &|m| *m == Meaning::Quaternion(part))?;
         numbered[part] = one(name, &|m| *m == Meaning::Numbered(part))?;
         // `rw` beside `rx`, `ry`, `rz` makes a quaternion of them.
-        let of = one(name, &|m| matches!(m, Meaning::Angle { axis, .. } if *axis == part))?;
+        let of = one(
+            name,
+            &|m| matches!(m, Meaning::Angle { axis, .. } if *axis == part),
+        )?;
         match angles.get_mut(part) {
             Some(angle) => *angle = of,
             None if of.is_some() => {
@@ -86,9 +90,7 @@ pub(super) fn layout(
             QuaternionOrder::Xyzw => [a, b, c, d],
         })
     } else if let [Some(x), Some(y), Some(z)] = angles {
-        let is_degree = |index: usize| {
-            matches!(meanings[index], Some(Meaning::Angle { is_degree, .. }) if is_degree)
-        };
+        let is_degree = |index: usize| matches!(meanings[index], Some(Meaning::Angle { is_degree, .. }) if is_degree);
         let unit = if is_degree(x) {
             AngleUnit::Degree
         } else {
@@ -159,10 +161,13 @@ fn time(
     meanings: &[Option<Meaning>],
     used: &mut [bool],
 ) -> Result<TimeColumns, Fault> {
-    let ranked = meanings.iter().enumerate().filter_map(|(index, of)| match of {
-        Some(Meaning::Time { rank, unit }) => Some((*rank, index, *unit)),
-        _ => None,
-    });
+    let ranked = meanings
+        .iter()
+        .enumerate()
+        .filter_map(|(index, of)| match of {
+            Some(Meaning::Time { rank, unit }) => Some((*rank, index, *unit)),
+            _ => None,
+        });
     let ranked: Vec<(u8, usize, Option<TimeUnit>)> = ranked.collect();
     let Some(best) = ranked.iter().map(|(rank, ..)| *rank).max() else {
         let frame = meanings.iter().position(|of| *of == Some(Meaning::Frame));
@@ -279,7 +284,9 @@ fn without_head(row: &Line, order: Option<QuaternionOrder>) -> Result<Layout, Fa
         length: None,
         rate_hz: None,
         preset: None,
-        unread: (9..=count).map(|column| format!("column {column}")).collect(),
+        unread: (9..=count)
+            .map(|column| format!("column {column}"))
+            .collect(),
         notes: vec![format!(
             "columns have no names: taken as t, x, y, z, {named} (--columns for others)"
         )],

@@ -96,7 +96,11 @@ fn read(text: &str, options: &TableOptions) -> Result<PoseTable, Fault> {
         .length_unit
         .or(layout.length)
         .unwrap_or(preset.length);
-    let rows = section(&layout, &lines.rows[begin.min(lines.rows.len())..], &mut notes);
+    let rows = section(
+        &layout,
+        &lines.rows[begin.min(lines.rows.len())..],
+        &mut notes,
+    );
     let unit = options.time_unit;
     let unit = unit.or_else(|| match layout.time {
         TimeColumns::One(_, None) => preset.time,
@@ -134,12 +138,18 @@ fn layout(lines: &Lines, options: &TableOptions) -> Result<(Layout, usize), Faul
             None => Ok((head::general(lines, options.quaternion)?, 0)),
         };
     };
-    let mut names: Vec<String> = given.split(',').map(|name| name.trim().to_owned()).collect();
+    let mut names: Vec<String> = given
+        .split(',')
+        .map(|name| name.trim().to_owned())
+        .collect();
     let count = lines.rows[0].cells.len();
     if names.len() > count {
         return fault(
             lines.rows[0].number,
-            format!("{count} columns, and {} names are given for them", names.len()),
+            format!(
+                "{count} columns, and {} names are given for them",
+                names.len()
+            ),
         );
     }
     names.resize(count, "-".to_owned());
@@ -262,7 +272,12 @@ impl Reader {
         )))
     }
 
-    fn quaternion(&self, angles: [f64; 3], unit: AngleUnit, line: usize) -> Result<[f64; 4], Fault> {
+    fn quaternion(
+        &self,
+        angles: [f64; 3],
+        unit: AngleUnit,
+        line: usize,
+    ) -> Result<[f64; 4], Fault> {
         let [x, y, z] = match unit {
             AngleUnit::Radian => angles,
             AngleUnit::Degree => angles.map(f64::to_radians),

@@ -87,12 +87,18 @@ Frame,Time (Seconds),X,Y,Z,W,X,Y,Z,,X,Y,Z,X,Y,Z,W,X,Y,Z,\n\
 fn motives_bodies_come_with_their_names_and_z_up() {
     let table = plainly(MOTIVE);
     assert_eq!(table.kind, "Motive 1.23, commas");
-    assert_eq!((table.preset.name, table.length), ("motive-y-up", LengthUnit::Millimetre));
+    assert_eq!(
+        (table.preset.name, table.length),
+        ("motive-y-up", LengthUnit::Millimetre)
+    );
     let [cup, hand] = &table.bodies[..] else {
         panic!("{table:?}");
     };
     assert_eq!(cup.name.as_deref(), Some("Cup"));
-    assert_eq!((hand.name.as_deref(), hand.samples.len(), hand.absent), (Some("Hand"), 1, 1));
+    assert_eq!(
+        (hand.name.as_deref(), hand.samples.len(), hand.absent),
+        (Some("Hand"), 1, 1)
+    );
     let sample = &cup.samples[1];
     assert_eq!(sample.stamp.0, 510_000_000);
     assert!((sample.position_m - Vector3::new(1.0, 2.0, 3.0)).norm() < 1e-12);
@@ -101,9 +107,18 @@ fn motives_bodies_come_with_their_names_and_z_up() {
     let turned = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
     assert!((turned * Vector3::y() - Vector3::z()).norm() < 1e-12);
     let said = table.notes.join("\n");
-    assert!(said.contains("y up") && said.contains("5 of markers"), "{said}");
-    let error = refused(&MOTIVE.replace("Quaternion", "XYZ"), &TableOptions::default());
-    assert!(error.starts_with("poses.csv:1: Rotation Type is XYZ"), "{error}");
+    assert!(
+        said.contains("y up") && said.contains("5 of markers"),
+        "{said}"
+    );
+    let error = refused(
+        &MOTIVE.replace("Quaternion", "XYZ"),
+        &TableOptions::default(),
+    );
+    assert!(
+        error.starts_with("poses.csv:1: Rotation Type is XYZ"),
+        "{error}"
+    );
 }
 
 const VICON: &str = "Objects\n100\n,,Cup:Cup,,,,,,,Global Angle Hand:Wrist,,,,,,\n\
@@ -117,7 +132,10 @@ Trajectories\n100\n,,m1,,\nFrame,Sub Frame,X,Y,Z\n,,mm,mm,mm\n51,0,1,2,3\n";
 #[test]
 fn vicons_frames_are_times_at_the_rate_of_the_section() {
     let table = plainly(VICON);
-    assert_eq!((table.kind.as_str(), table.preset.name), ("Vicon Objects, commas", "vicon"));
+    assert_eq!(
+        (table.kind.as_str(), table.preset.name),
+        ("Vicon Objects, commas", "vicon")
+    );
     let [cup, hand] = &table.bodies[..] else {
         panic!("{table:?}");
     };
@@ -128,14 +146,26 @@ fn vicons_frames_are_times_at_the_rate_of_the_section() {
         sample.stamp.0 += 500_000_000;
     }
     assert_is_the_pose(&samples, "Vicon");
-    assert!(table.notes.join("\n").contains("section Trajectories"), "{:?}", table.notes);
+    assert!(
+        table.notes.join("\n").contains("section Trajectories"),
+        "{:?}",
+        table.notes
+    );
     // Trajectories first, and three angles, whose meaning is to be said.
     let (objects, others) = VICON.split_once("\n\n").expect("two sections");
-    assert_eq!(plainly(&format!("{others}\n{objects}\n")).bodies[0].samples.len(), 2);
+    assert_eq!(
+        plainly(&format!("{others}\n{objects}\n")).bodies[0]
+            .samples
+            .len(),
+        2
+    );
     let nexus = "Segments\n200\n,,Cup,,,,,\nFrame,Sub Frame,RX,RY,RZ,TX,TY,TZ\n,,deg,deg,deg,mm,mm,mm\n\
                  1,0,0,0,90,1000,0,0\n2,0,0,0,90,1000,0,0\n";
     let error = refused(nexus, &TableOptions::default());
-    assert!(error.contains("poses.csv:6") && error.contains("--rotation vector"), "{error}");
+    assert!(
+        error.contains("poses.csv:6") && error.contains("--rotation vector"),
+        "{error}"
+    );
     for turn in [Turn::Vector, Turn::EulerXyz] {
         let options = TableOptions {
             turn: Some(turn),
@@ -147,7 +177,10 @@ fn vicons_frames_are_times_at_the_rate_of_the_section() {
         let [x, y, z, w] = sample.quaternion_xyzw;
         assert!(x == 0.0 && y == 0.0 && (z - half).abs() < 1e-12 && (w - half).abs() < 1e-12);
     }
-    let error = refused("Trajectories\n100\n,,m1,,\nFrame,Sub Frame,X,Y,Z\n,,mm,mm,mm\n51,0,1,2,3\n", &TableOptions::default());
+    let error = refused(
+        "Trajectories\n100\n,,m1,,\nFrame,Sub Frame,X,Y,Z\n,,mm,mm,mm\n51,0,1,2,3\n",
+        &TableOptions::default(),
+    );
     assert!(error.contains("no section Objects or Segments"), "{error}");
 }
 
@@ -184,7 +217,10 @@ fn what_is_asked_for_goes_before_what_the_file_says() {
     };
     assert_is_the_pose(&read(numbered, &options).unwrap().bodies[0].samples, "xyzw");
     let guessed = plainly(numbered);
-    assert_eq!(guessed.bodies[0].samples[0].quaternion_xyzw, [0.5, -0.7, 0.5, 0.1]);
+    assert_eq!(
+        guessed.bodies[0].samples[0].quaternion_xyzw,
+        [0.5, -0.7, 0.5, 0.1]
+    );
     assert!(guessed.notes[0].contains("numbered"), "{:?}", guessed.notes);
 }
 
@@ -199,7 +235,10 @@ fn units_of_times_are_told_by_their_intervals_and_that_is_said() {
             let said = table.notes.join("\n");
             assert!(said.contains(&format!("taken for {unit}:")), "{said}");
             let last = table.bodies[0].samples[18].stamp.0;
-            assert!((last as f64 - 19e9 / rate_hz).abs() <= 1.0, "{unit} {rate_hz} {last}");
+            assert!(
+                (last as f64 - 19e9 / rate_hz).abs() <= 1.0,
+                "{unit} {rate_hz} {last}"
+            );
         }
     }
 }
@@ -210,18 +249,48 @@ fn what_is_no_table_of_poses_is_said_with_its_line() {
     for (text, message) in [
         ("", "poses.csv: no row of numbers"),
         ("hello\nworld\n", "no row of numbers"),
-        ("t,x,y,z\n0,1,2,3\n", "poses.csv:1: no columns for an orientation"),
-        ("t,a,b,c,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n", "no columns for a position"),
-        ("t,x,y,z,x_mm,qx,qy,qz,qw\n0,1,2,3,1,0,0,0,1\n", "several columns for x: x, x_mm"),
-        ("t,x,y,z,qx,qy,qz,qw\n1,1,2,3,0,0,0,1\n2,1,2,3,0,0,0,1\n", "go up by 1"),
-        ("frame,x,y,z,qx,qy,qz,qw\n1,1,2,3,0,0,0,1\n", "expected --rate HZ"),
+        (
+            "t,x,y,z\n0,1,2,3\n",
+            "poses.csv:1: no columns for an orientation",
+        ),
+        (
+            "t,a,b,c,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n",
+            "no columns for a position",
+        ),
+        (
+            "t,x,y,z,x_mm,qx,qy,qz,qw\n0,1,2,3,1,0,0,0,1\n",
+            "several columns for x: x, x_mm",
+        ),
+        (
+            "t,x,y,z,qx,qy,qz,qw\n1,1,2,3,0,0,0,1\n2,1,2,3,0,0,0,1\n",
+            "go up by 1",
+        ),
+        (
+            "frame,x,y,z,qx,qy,qz,qw\n1,1,2,3,0,0,0,1\n",
+            "expected --rate HZ",
+        ),
         ("x,y,z,qx,qy,qz,qw\n1,2,3,0,0,0,1\n", "no column of times"),
-        ("t,x,y,z,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n0.01,1,2,here,0,0,0,1\n", "poses.csv:3: column 4: \"here\""),
-        ("t,x,y,z,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n0.01,1,2,3\n0.02,1,2,3,0,0,0,1\n", "poses.csv:3: 4 cells"),
-        ("t,x,y,z,qx,qy,qz,qw\n-0.01,1,2,3,0,0,0,1\n0,1,2,3,0,0,0,1\n", "a time of -0.01"),
-        ("t,x,y,z,qx,qy,qz,qw,k\n0,1,2,3,0,0,0,1\n", "9 column names, and 8 numbers in line 2"),
+        (
+            "t,x,y,z,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n0.01,1,2,here,0,0,0,1\n",
+            "poses.csv:3: column 4: \"here\"",
+        ),
+        (
+            "t,x,y,z,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n0.01,1,2,3\n0.02,1,2,3,0,0,0,1\n",
+            "poses.csv:3: 4 cells",
+        ),
+        (
+            "t,x,y,z,qx,qy,qz,qw\n-0.01,1,2,3,0,0,0,1\n0,1,2,3,0,0,0,1\n",
+            "a time of -0.01",
+        ),
+        (
+            "t,x,y,z,qx,qy,qz,qw,k\n0,1,2,3,0,0,0,1\n",
+            "9 column names, and 8 numbers in line 2",
+        ),
         ("0,1,2,3,0,0,0,1,5\n", "9 columns without names"),
-        ("t,x,y,z,qx,qy,qz,qw\n0,,2,3,0,0,0,1\n0.01,1,,3,0,0,0,1\n", "no row with a pose"),
+        (
+            "t,x,y,z,qx,qy,qz,qw\n0,,2,3,0,0,0,1\n0.01,1,,3,0,0,0,1\n",
+            "no row with a pose",
+        ),
     ] {
         let error = refused(text, &none);
         assert!(error.contains(message), "{text}\n{error}");

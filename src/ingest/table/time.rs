@@ -22,7 +22,11 @@ pub(super) enum Clock {
     /// By whole seconds and the nanoseconds past them.
     Parts { whole: usize, rest: usize },
     /// By the number of the frame, from the first on.
-    Frames { column: usize, rate_hz: f64, first: f64 },
+    Frames {
+        column: usize,
+        rate_hz: f64,
+        first: f64,
+    },
     /// By the place of the row.
     Rows { rate_hz: f64 },
 }
@@ -37,7 +41,10 @@ pub(super) fn clock(
 ) -> Result<Clock, Fault> {
     let rate_or = |what: &str, line: usize| match rate_hz.or(layout.rate_hz) {
         Some(rate_hz) => Ok(rate_hz),
-        None => fault(line, format!("{what}, expected --rate HZ, so many a second")),
+        None => fault(
+            line,
+            format!("{what}, expected --rate HZ, so many a second"),
+        ),
     };
     let line = rows.first().map_or(0, |row| row.number);
     let (column, stated) = match layout.time {
@@ -141,9 +148,14 @@ impl Clock {
             Some(ns) if ns >= 0 => Ok(ns),
             Some(_) => fault(
                 row.number,
-                format!("a time of {shown}, expected 0 or more; --rate HZ counts rows from 0 instead"),
+                format!(
+                    "a time of {shown}, expected 0 or more; --rate HZ counts rows from 0 instead"
+                ),
             ),
-            None => fault(row.number, format!("{shown:?} is no time, expected a number")),
+            None => fault(
+                row.number,
+                format!("{shown:?} is no time, expected a number"),
+            ),
         }
     }
 }

@@ -1,8 +1,6 @@
 //! Heads of tables by OptiTrack's Motive and by Vicon's Tracker and Nexus.
 
-use super::layout::{
-    AngleUnit, BodyColumns, Fault, Layout, Orientation, TimeColumns, fault,
-};
+use super::layout::{AngleUnit, BodyColumns, Fault, Layout, Orientation, TimeColumns, fault};
 use super::text::{Line, Lines, number};
 use super::units::{TimeUnit, length_unit};
 
@@ -12,7 +10,11 @@ const SECTIONS: [&str; 2] = ["Objects", "Segments"];
 /// The layout that a vendor's head gives, and how many rows are before its own; `None` for other heads.
 pub(super) fn layout(lines: &Lines) -> Option<Result<(Layout, usize), Fault>> {
     let first = lines.head.first()?;
-    if first.cells.first().is_some_and(|cell| cell == "Format Version") {
+    if first
+        .cells
+        .first()
+        .is_some_and(|cell| cell == "Format Version")
+    {
         return Some(motive(lines).map(|layout| (layout, 0)));
     }
     let is_axes = |line: &Line| {
@@ -67,7 +69,9 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
             others += usize::from(!part.is_empty());
             continue;
         }
-        let name = head.get(kinds + 1).map_or(String::new(), |line| cell(line, column));
+        let name = head
+            .get(kinds + 1)
+            .map_or(String::new(), |line| cell(line, column));
         if bodies.last().is_none_or(|(last, ..)| *last != name) {
             bodies.push((name, [None; 3], [None; 4]));
         }
@@ -86,7 +90,9 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
         let ([Some(x), Some(y), Some(z)], [Some(a), Some(b), Some(c), Some(d)]) = all else {
             return fault(
                 axes.number,
-                format!("{name:?} has not all of X, Y, Z, W of a rotation and X, Y, Z of a position"),
+                format!(
+                    "{name:?} has not all of X, Y, Z, W of a rotation and X, Y, Z of a position"
+                ),
             );
         };
         Ok(BodyColumns {
@@ -109,7 +115,9 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
     };
     let mut notes = Vec::new();
     if said("Coordinate Space").is_some_and(|space| space != "Global") {
-        notes.push("Coordinate Space is not Global: poses may be relative to another body".to_owned());
+        notes.push(
+            "Coordinate Space is not Global: poses may be relative to another body".to_owned(),
+        );
     }
     Ok(Layout {
         kind: format!("Motive {}", said("Format Version").unwrap_or_default()),
@@ -144,7 +152,10 @@ fn vicon(lines: &Lines, is_axes: impl Fn(&Line) -> bool) -> Result<(Layout, usiz
         );
     };
     let [rate, names, axes, ref rest @ ..] = all[at + 1..] else {
-        return fault(all[at].number, "a section without rows, expected its rate, names, axes and units");
+        return fault(
+            all[at].number,
+            "a section without rows, expected its rate, names, axes and units",
+        );
     };
     let rate_hz = rate.cells.first().and_then(|cell| number(cell));
     let rate_hz = rate_hz.filter(|rate| *rate > 0.0);
@@ -157,7 +168,12 @@ fn vicon(lines: &Lines, is_axes: impl Fn(&Line) -> bool) -> Result<(Layout, usiz
     let units = rest.first().filter(|line| number(&line.cells[0]).is_none());
     let unit = |column: usize| units.and_then(|line| line.cells.get(column)).cloned();
     let begins: Vec<usize> = (2..axes.cells.len())
-        .filter(|column| names.cells.get(*column).is_some_and(|name| !name.is_empty()))
+        .filter(|column| {
+            names
+                .cells
+                .get(*column)
+                .is_some_and(|name| !name.is_empty())
+        })
         .collect();
     let mut bodies = Vec::new();
     let mut length = None;
@@ -198,7 +214,10 @@ fn vicon(lines: &Lines, is_axes: impl Fn(&Line) -> bool) -> Result<(Layout, usiz
         });
     }
     if bodies.is_empty() {
-        return fault(names.number, "no names above the columns, expected one per object");
+        return fault(
+            names.number,
+            "no names above the columns, expected one per object",
+        );
     }
     // Rows of the section, past the units.
     let begin = at + 4 + usize::from(units.is_some());

@@ -74,7 +74,9 @@ fn of_scene(name: &str, names: &[&str], scene: &Scene) -> anyhow::Result<String>
         })
         .collect();
     let listed = || {
-        let each = bodies.iter().map(|(body, topic)| format!("{body} on {topic}"));
+        let each = bodies
+            .iter()
+            .map(|(body, topic)| format!("{body} on {topic}"));
         each.collect::<Vec<_>>().join(", ")
     };
     if scene.timing == Timing::Edited {

@@ -14,7 +14,7 @@ const NEAR: f64 = 0.06;
 const TILT_RAD: f64 = 0.2;
 /// A single flight tells something from so many samples on.
 const FLIGHT_SAMPLES: usize = 9;
-/// and speaks against axes from so many on.
+/// and speaks against axes and units from so many on.
 const AGAINST_SAMPLES: usize = 12;
 /// Rooms with trackers are between these \[m\].
 const SPAN_M: [f64; 2] = [0.005, 50.0];
@@ -83,8 +83,15 @@ pub(super) fn told(named: &Named, samples: &[&PoseSample]) -> Told {
     if let Some(longest) = longest.filter(|fall| fall.samples.len() >= FLIGHT_SAMPLES)
         && let Some(unit) = unit_of(&longest.acceleration, longest.acceleration_sd)
     {
-        fall(named, longest, unit, times_s[longest.samples.start], &mut told);
-        let is_of_unit = |fall: &Fall| unit_of(&fall.acceleration, fall.acceleration_sd) == Some(unit);
+        fall(
+            named,
+            longest,
+            unit,
+            times_s[longest.samples.start],
+            &mut told,
+        );
+        let is_of_unit =
+            |fall: &Fall| unit_of(&fall.acceleration, fall.acceleration_sd) == Some(unit);
         let of_unit = found.iter().filter(|fall| is_of_unit(fall));
         told.flights = of_unit
             .map(|fall| Fall {
@@ -105,7 +112,7 @@ fn fall(named: &Named, fall: &Fall, unit: LengthUnit, begin_s: f64, told: &mut T
     let size = fall.acceleration.norm();
     let samples = fall.samples.len();
     let flight = format!("{name}: a flight of {samples} samples from {begin_s:.3} s");
-    if unit != named.table.length {
+    if unit != named.table.length && samples >= AGAINST_SAMPLES {
         told.against.push(format!(
             "{flight} falls at {size:.4} m/s²: positions are in {}, not in {}; expected --length-unit {}",
             word(unit),
@@ -176,8 +183,9 @@ fn rate(name: &str, samples: &[&PoseSample], told: &mut Told) {
     told.rate_hz = median_s.filter(|of| *of > 0.0).map(|of| 1.0 / of);
     let equal = intervals_s.iter().filter(|of| **of == 0.0).count();
     if equal > 0 {
-        told.notes
-            .push(format!("{name}: {equal} poses have the time of the one before"));
+        told.notes.push(format!(
+            "{name}: {equal} poses have the time of the one before"
+        ));
     }
 }
 
@@ -186,7 +194,9 @@ fn norms(name: &str, samples: &[&PoseSample], told: &mut Told) {
         let parts = sample.quaternion_xyzw.iter().map(|part| part * part);
         parts.sum::<f64>().sqrt()
     });
-    let off: Vec<f64> = norms.filter(|norm| !((norm - 1.0).abs() <= NORM_LIMIT)).collect();
+    let off: Vec<f64> = norms
+        .filter(|norm| !((norm - 1.0).abs() <= NORM_LIMIT))
+        .collect();
     if let Some(first) = off.first() {
         told.against.push(format!(
             "{name}: {} of {} quaternions have a norm other than 1, the first {first:.3}: is one of their \

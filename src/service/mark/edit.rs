@@ -59,7 +59,12 @@ impl Edited {
 /// The recording's own marks, in order of time.
 pub(super) fn present(opened: &Opened) -> anyhow::Result<Vec<Placed>> {
     let topic = &opened.scene.marks_topic;
-    if !opened.recording.container().topics().contains(topic.as_str()) {
+    if !opened
+        .recording
+        .container()
+        .topics()
+        .contains(topic.as_str())
+    {
         return Ok(Vec::new());
     }
     let messages = opened.recording.marks_on(topic)?;
