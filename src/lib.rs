@@ -30,7 +30,7 @@
 //! | [`optimise`] | constrained least squares over any unknowns | |
 //! | [`physics`] | bodies, shapes (all of parry), flight, impact; each beside its derivatives | `math` |
 //! | [`motion`] | the nouns that stages exchange: scene, take, sketch, estimate | `physics`, `math` |
-//! | [`ingest`] | 1 recordings, memory and live trackers become takes | `wire`, `motion` |
+//! | [`ingest`] | 1 recordings, memory and live trackers become takes; tables of poses are read | `wire`, `motion` |
 //! | [`segment`] | 2 clean the streams, match and refine the marks, cut | `motion` and below |
 //! | [`initialise`] | 3 a first guess, arc by arc | `motion` and below |
 //! | [`estimate`] | 4 the constrained estimation | `optimise`, `motion` and below |

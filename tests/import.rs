@@ -246,8 +246,7 @@ fn every_table_becomes_the_same_recording_without_a_flag() {
 
 #[test]
 fn a_wrong_guess_is_seen_by_what_falls_and_said_with_the_flag() {
-    let millimetres = plain_csv().replace("z,y,x,t", "z,y,x,t");
-    let millimetres: String = {
+    let millimetres = {
         let rows = rows(|index, of| {
             let ([qx, qy, qz, qw], p) = (of.quaternion_xyzw, of.position_m * 1e3);
             format!(
@@ -258,7 +257,6 @@ fn a_wrong_guess_is_seen_by_what_falls_and_said_with_the_flag() {
                 p.z
             )
         });
-        assert!(!millimetres.is_empty());
         format!("t,x,y,z,qx,qy,qz,qw\n{rows}")
     };
     // Without Motive's head nothing says that y is up.
@@ -296,6 +294,30 @@ fn a_wrong_guess_is_seen_by_what_falls_and_said_with_the_flag() {
         "{}",
         ran.stdout
     );
+}
+
+#[test]
+fn positions_too_large_for_a_room_are_doubted() {
+    // Carried about, so that nothing falls.
+    let text = rows(|index, _| {
+        let s = index as f64 / RATE_HZ;
+        format!(
+            "{s},{},{},1000,0,0,0,1",
+            40_000.0 * s,
+            500.0 * (3.0 * s).sin()
+        )
+    });
+    let bench = Bench::new(&[("hand.csv", &format!("t,x,y,z,qx,qy,qz,qw\n{text}"))]);
+    let ran = bench.enact(&["import", "hand.csv", "-o", "x.mcap"]);
+    assert_eq!(ran.code, Some(3), "{}", ran.stdout);
+    assert!(
+        ran.stdout
+            .contains("positions span 22000 m, taken in metres"),
+        "{}",
+        ran.stdout
+    );
+    let ran = bench.enact(&["import", "hand.csv", "-o", "x.mcap", "--length-unit", "mm"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.stdout);
 }
 
 #[test]
@@ -482,5 +504,73 @@ fn what_cannot_be_imported_is_refused_with_what_to_do() {
     assert_eq!(
         fs::read_to_string(bench.path("ball.csv")).unwrap(),
         plain_csv()
+    );
+}
+
+#[test]
+fn inspect_says_what_poses_are_like() {
+    let bench = Bench::new(&[("ball.csv", &plain_csv())]);
+    let lines = rows(|index, of| {
+        let p = of.position_m;
+        format!(
+            "{},{},{},{},0,0,0,1.25",
+            index as f64 / RATE_HZ,
+            p.x,
+            p.y,
+            p.z
+        )
+    });
+    fs::write(
+        bench.path("norm.csv"),
+        format!("t,x,y,z,qx,qy,qz,qw\n{lines}"),
+    )
+    .unwrap();
+    let ran = bench.enact(&["import", "norm.csv", "-o", "norm.mcap"]);
+    assert_eq!(ran.code, Some(3), "{}", ran.stdout);
+    assert!(
+        ran.stdout
+            .contains("111 of 111 quaternions have a norm other than 1, the first 1.250")
+    );
+    bench.json(&["import", "ball.csv", "-o", "ball.mcap"]);
+    let json = bench.json(&["inspect", "ball.mcap", "--scene", "scene.toml"]);
+    assert_eq!(json["scene"], "a ball is thrown and bounces");
+    assert!(json["complaint"].is_null(), "{json}");
+    let poses = &json["poses"][0];
+    assert_eq!(
+        (&poses["topic"], &poses["poses"]),
+        (&"/tracker/ball/pose".into(), &111.into())
+    );
+    assert_eq!(poses["frame_ids"], serde_json::json!(["world"]));
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let truth = truth();
+    for axis in 0..3 {
+        let along = || truth.iter().map(|of| of.position_m[axis]);
+        let (least, greatest) = (
+            along().fold(f64::MAX, f64::min),
+            along().fold(f64::MIN, f64::max),
+        );
+        let extent = &poses["extent_m"][axis];
+        assert!((number(&extent[0]) - least).abs() < 1e-12, "{poses}");
+        assert!((number(&extent[1]) - greatest).abs() < 1e-12, "{poses}");
+    }
+    assert!((number(&poses["norms"][0]) - 1.0).abs() < 1e-9);
+    let norm = bench.json(&["inspect", "norm.mcap"]);
+    assert_eq!(number(&norm["poses"][0]["norms"][1]), 1.25);
+    assert!(
+        norm["complaint"]
+            .as_str()
+            .unwrap()
+            .contains("expected one or --scene FILE")
+    );
+    let text = bench.enact(&["inspect", "norm.mcap"]).stdout;
+    for piece in ["x [m]", "-0.200 to -0.200", "1.2500 to 1.2500", "world"] {
+        assert!(text.contains(piece), "{text}");
+    }
+    let ran = bench.enact(&["inspect", "ball.mcap", "--scene", "absent.toml"]);
+    assert_eq!(ran.code, Some(1));
+    assert!(
+        ran.stderr.contains("absent.toml: cannot read the scene"),
+        "{}",
+        ran.stderr
     );
 }

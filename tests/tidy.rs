@@ -132,6 +132,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("cdr", &["src/wire/"]),
     ("lz4", &["src/wire/container/"]),
     ("zstd", &["src/wire/container/"]),
+    ("csv", &["src/ingest/table/", "src/ingest/mark_list.rs"]),
     ("mcap", &["src/wire/", "src/ingest/", "src/write/"]),
     ("foxglove", &["src/wire/", "src/ingest/", "src/write/"]),
     ("httparse", &["src/service/capture/"]),

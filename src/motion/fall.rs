@@ -22,6 +22,10 @@ const F_LIMITS: [f64; 2] = [30.0, 7.0];
 const F_FEW: f64 = 12.0;
 /// Least scatter, over what the acceleration bends the path by: of paths without any, what rounding leaves.
 const SCATTER_MIN: f64 = 1e-4;
+/// Either half of a flight accelerates as the whole, up to this share: a hand's swing does not.
+const HALVES_SHARE: f64 = 0.25;
+/// Least number of samples of a half.
+const HALF_SAMPLES: usize = 4;
 /// Flights are as exact as the most exact one, up to this factor; what is less is no flight.
 const SCATTER_RATIO: f64 = 8.0;
 
@@ -72,6 +76,7 @@ pub fn falls(
         let fall = { grown }.find(|fall| {
             fall.scatter <= SCATTER_RATIO * limit
                 && is_wanted(&fall.acceleration, fall.acceleration_sd)
+                && path.is_steady(fall)
         });
         if let Some(fall) = fall {
             is_used[fall.samples.clone()].fill(true);
@@ -160,6 +165,24 @@ impl Path<'_> {
         let told = falls
             .find(|fall| fall.acceleration_sd <= SEED_RELATIVE_SD * fall.acceleration.norm())?;
         is_wanted(&told.acceleration, told.acceleration_sd).then_some(told)
+    }
+
+    /// Whether both halves accelerate as the whole does.
+    fn is_steady(self, fall: &Fall) -> bool {
+        let Range { start, end } = fall.samples.clone();
+        let half = ((end - start) / 2).max(HALF_SAMPLES);
+        [start..start + half, end - half..end]
+            .into_iter()
+            .filter_map(|samples| self.parabola(samples))
+            .all(|parabola| {
+                let parabola = Parabola {
+                    scatter: parabola.scatter.max(fall.scatter),
+                    ..parabola
+                };
+                let of = parabola.fall();
+                let off = (of.acceleration - fall.acceleration).norm();
+                off <= HALVES_SHARE * fall.acceleration.norm() + 3.0 * of.acceleration_sd
+            })
     }
 
     /// The stretch about a window up to where samples leave its parabola, or are used.

@@ -102,7 +102,7 @@ fn read(text: &str, options: &TableOptions) -> Result<PoseTable, Fault> {
         &mut notes,
     );
     let unit = options.time_unit;
-    let unit = unit.or_else(|| match layout.time {
+    let unit = unit.or(match layout.time {
         TimeColumns::One(_, None) => preset.time,
         _ => None,
     });

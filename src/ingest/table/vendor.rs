@@ -27,6 +27,13 @@ pub(super) fn layout(lines: &Lines) -> Option<Result<(Layout, usize), Fault>> {
     Some(vicon(lines, is_axes))
 }
 
+/// Columns of a rigid body of Motive, as far as they are found.
+struct RigidBody {
+    name: String,
+    position: [Option<usize>; 3],
+    rotation: [Option<usize>; 4],
+}
+
 /// Motive: a line of keys and values; then, above the columns, what they are of, whose, an identifier,
 /// perhaps a parent, rotation or position, and the axis.
 fn motive(lines: &Lines) -> Result<Layout, Fault> {
@@ -61,7 +68,7 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
         );
     };
     let cell = |line: &Line, column: usize| line.cells.get(column).cloned().unwrap_or_default();
-    let mut bodies: Vec<(String, [Option<usize>; 3], [Option<usize>; 4])> = Vec::new();
+    let mut bodies: Vec<RigidBody> = Vec::new();
     let mut others = 0;
     for column in 2..axes.cells.len() {
         let part = cell(&head[parts], column);
@@ -72,21 +79,25 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
         let name = head
             .get(kinds + 1)
             .map_or(String::new(), |line| cell(line, column));
-        if bodies.last().is_none_or(|(last, ..)| *last != name) {
-            bodies.push((name, [None; 3], [None; 4]));
+        if bodies.last().is_none_or(|last| last.name != name) {
+            bodies.push(RigidBody {
+                name,
+                position: [None; 3],
+                rotation: [None; 4],
+            });
         }
-        let Some((_, position, rotation)) = bodies.last_mut() else {
+        let Some(body) = bodies.last_mut() else {
             continue;
         };
         let axis = "XYZW".find(cell(axes, column).as_str());
         match (part.as_str(), axis) {
-            ("Rotation", Some(axis)) if axis < 4 => rotation[axis] = Some(column),
-            ("Position", Some(axis)) if axis < 3 => position[axis] = Some(column),
+            ("Rotation", Some(axis)) if axis < 4 => body.rotation[axis] = Some(column),
+            ("Position", Some(axis)) if axis < 3 => body.position[axis] = Some(column),
             _ => others += 1,
         }
     }
-    let columns = bodies.into_iter().map(|(name, position, rotation)| {
-        let all = (position, rotation);
+    let columns = bodies.into_iter().map(|body| {
+        let (name, all) = (body.name, (body.position, body.rotation));
         let ([Some(x), Some(y), Some(z)], [Some(a), Some(b), Some(c), Some(d)]) = all else {
             return fault(
                 axes.number,

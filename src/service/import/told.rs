@@ -14,7 +14,7 @@ const NEAR: f64 = 0.06;
 const TILT_RAD: f64 = 0.2;
 /// A single flight tells something from so many samples on.
 const FLIGHT_SAMPLES: usize = 9;
-/// and speaks against axes from so many on.
+/// and speaks against axes and units from so many on.
 const AGAINST_SAMPLES: usize = 12;
 /// Rooms with trackers are between these \[m\].
 const SPAN_M: [f64; 2] = [0.005, 50.0];
@@ -112,7 +112,7 @@ fn fall(named: &Named, fall: &Fall, unit: LengthUnit, begin_s: f64, told: &mut T
     let size = fall.acceleration.norm();
     let samples = fall.samples.len();
     let flight = format!("{name}: a flight of {samples} samples from {begin_s:.3} s");
-    if unit != named.table.length {
+    if unit != named.table.length && samples >= AGAINST_SAMPLES {
         told.against.push(format!(
             "{flight} falls at {size:.4} m/s²: positions are in {}, not in {}; expected --length-unit {}",
             word(unit),

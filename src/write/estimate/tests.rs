@@ -1,6 +1,7 @@
 //! Outputs read back: what came in is there unchanged, what was added is right and alone.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use mcap::records::MessageHeader;
@@ -511,7 +512,15 @@ fn a_ros_2_recording_stays_one_and_says_the_same() {
         event: Some("bounce".to_owned()),
     };
     let marks = [(mark.stamp, mark)];
-    super::super::write_marks(&output, &read(&input), &input, "/marks", &marks).expect("write");
+    super::super::write_marks(
+        &output,
+        &read(&input),
+        &input,
+        "/marks",
+        &marks,
+        BTreeSet::new(),
+    )
+    .expect("write");
     let marked = read(&output);
     assert_eq!(
         (marked.profile(), count(&marked, "/marks")),
