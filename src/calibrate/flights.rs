@@ -25,7 +25,7 @@ const FALL: f64 = 40.0;
 const SHARE: f64 = 0.3;
 
 /// How much the acceleration of further flights may differ from the first's.
-const ALIKE: f64 = 0.2;
+pub(super) const ALIKE: f64 = 0.2;
 
 struct Window {
     range: Range<usize>,
