@@ -5,14 +5,13 @@
 //! Bodies have the mass, moments, force and drag of the scene, obstacles and planes are fixed. Held
 //! bodies are moved as they were tracked, and stand still where their tracks end.
 //! Contacts are
-//! rapier's: with friction, softened over millimetres, first order in the step. That suffices to
-//! bring bodies to rest; it is no estimate of how they come to rest, since none of it was
-//! performed. With short steps, hard contacts and the scene's restitution and friction it is a prediction
-//! ([`predict`]).
+//! rapier's, with the restitution and friction of the scene's bodies that have them: softened over millimetres, first order in the
+//! step. That suffices to bring bodies to rest. Where the bodies' restitution and friction were fitted to how they come to rest it
+//! predicts where (`docs/predict.md`); otherwise it is a way to rest, since none of it was performed.
 
 mod convert;
 mod joined;
-mod manner;
+mod material;
 
 use nalgebra::{Unit, Vector3};
 use rapier3d::math::{Pose as RapierPose, Rotation as RapierRotation, Vector as RapierVector};
@@ -24,8 +23,8 @@ use typed_index_collections::{TiSlice, TiVec};
 
 use self::convert::{from_rapier, pose_of, to_rapier, to_rapier_pose};
 use self::joined::{Joined, Moving, Tied};
-pub use self::manner::{FRICTION, Manner, RESTITUTION};
-use self::manner::{made_of, standing};
+pub use self::material::{FRICTION, RESTITUTION};
+use self::material::{made_of, standing};
 use crate::motion::{
     Estimate, JointTree, LinkIndex, MechanismIndex, Scene, Settled, SettledLink, Surface,
 };
@@ -35,6 +34,9 @@ use crate::physics::{Body, State};
 /// Time between two poses \[s\], and the step of the simulation: at shorter ones rapier's bodies
 /// do not fall asleep.
 pub const INTERVAL_S: f64 = 1.0 / 240.0;
+
+/// Angular damping [1/s]: without it rapier's cylinders and balls would roll for ever.
+const ROLLING_PER_S: f64 = 1.0;
 
 /// Prediction distance of contacts as a multiple of the longest way of any body in a step; rapier
 /// searches pairs within half of it. With this a pencil does not pass through a wall of 4 mm at
@@ -58,9 +60,6 @@ const SLOW: f64 = 0.02;
 /// for so many steps.
 const SLOW_STEPS: usize = 12;
 
-/// What has been slow for so many poses is at rest, where rapier does not say so.
-const STILL_STEPS: usize = 48;
-
 /// Simulates all links from the end of the estimate until they rest, for at most `limit_s`.
 ///
 /// A link whose last arc ends earlier flies freely until the last of all ends. The first poses
@@ -68,26 +67,14 @@ const STILL_STEPS: usize = 48;
 /// not finite. Where joined bodies gain energy, which no contact gives them, the simulation has failed:
 /// it ends before, and they are not at rest.
 pub fn settle(scene: &Scene, estimate: &Estimate, limit_s: f64) -> Option<Settled> {
-    simulated(scene, estimate, limit_s, (&Manner::SETTLING, None))
+    simulated(scene, estimate, limit_s, None)
 }
 
 /// The same simulation, ended as soon as every link has been slow for a while, which is mostly
 /// when it is known how they will lie: for comparisons of many. What is slow may still rest on an
 /// edge, and [`Settled::at_rest`] is false.
 pub fn settle_until_slow(scene: &Scene, estimate: &Estimate, limit_s: f64) -> Option<Settled> {
-    let slow = Some(SLOW_STEPS);
-    simulated(scene, estimate, limit_s, (&Manner::SETTLING, slow))
-}
-
-/// Simulates all links from the end of the estimate as [`settle`] does, in another manner, such as
-/// [`Manner::PREDICTING`]: where they will come to rest, and not only how.
-pub fn predict(
-    scene: &Scene,
-    estimate: &Estimate,
-    limit_s: f64,
-    manner: &Manner,
-) -> Option<Settled> {
-    simulated(scene, estimate, limit_s, (manner, None))
+    simulated(scene, estimate, limit_s, Some(SLOW_STEPS))
 }
 
 /// Until all rest, or until all have been slow for so many steps.
@@ -95,7 +82,7 @@ fn simulated(
     scene: &Scene,
     estimate: &Estimate,
     limit_s: f64,
-    (manner, slow_steps): (&Manner, Option<usize>),
+    slow_steps: Option<usize>,
 ) -> Option<Settled> {
     let [_, from_s] = estimate.extent_s()?;
     let states = scene.links.iter();
@@ -112,7 +99,7 @@ fn simulated(
             states[link] = Some(snapshot.link_state(place));
         }
     }
-    let mut simulation = Simulation::new(scene, estimate, &states, *manner)?;
+    let mut simulation = Simulation::new(scene, estimate, &states)?;
     simulation.join(&trees, &states);
     let steps = (limit_s / INTERVAL_S).floor() as usize;
     let mut settled = Settled {
@@ -125,7 +112,7 @@ fn simulated(
             })
             .collect(),
         at_rest: false,
-        is_predicted: manner.is_prediction(),
+        is_predicted: false,
         largest_speed_m_s: states
             .iter()
             .flatten()
@@ -134,10 +121,8 @@ fn simulated(
     };
     let mut slow = 0;
     for _ in 0..steps {
-        for _ in 0..manner.steps {
-            simulation.lead(estimate, from_s);
-            simulation.step();
-        }
+        simulation.lead(estimate, from_s);
+        simulation.step();
         if simulation.has_burst() {
             break;
         }
@@ -149,8 +134,7 @@ fn simulated(
             let speed_m_s = from_rapier(moving.linvel()).norm();
             settled.largest_speed_m_s = settled.largest_speed_m_s.max(speed_m_s);
         }
-        let is_still = manner.rests_when_slow && slow >= STILL_STEPS;
-        if is_still || simulation.is_at_rest() {
+        if simulation.is_at_rest() {
             settled.at_rest = true;
             break;
         }
@@ -206,7 +190,6 @@ struct Simulation {
     tied: Tied,
     links: TiVec<LinkIndex, Option<RigidBodyHandle>>,
     bodies: TiVec<LinkIndex, Body>,
-    manner: Manner,
     /// Number of steps so far.
     steps: usize,
     /// Radii of the spheres about the links' centres \[m\].
@@ -220,7 +203,6 @@ impl Simulation {
         scene: &Scene,
         estimate: &Estimate,
         states: &TiSlice<LinkIndex, Option<State>>,
-        manner: Manner,
     ) -> Option<Self> {
         if !states.iter().flatten().all(State::is_finite) {
             return None;
@@ -233,8 +215,7 @@ impl Simulation {
             .map(|link| link.shape.radius_m())
             .fold(f64::INFINITY, f64::min);
         let parameters = &mut world.integration_parameters;
-        parameters.dt = INTERVAL_S / manner.steps as f64;
-        manner.set(parameters);
+        parameters.dt = INTERVAL_S;
         parameters.length_unit = radius_m;
         parameters.normalized_max_linear_velocity = f64::MAX;
         parameters.max_ccd_substeps = 0;
@@ -264,7 +245,7 @@ impl Simulation {
                     let pose = to_rapier_pose(&state.world_from_body());
                     RigidBodyBuilder::kinematic_position_based().pose(pose)
                 } else {
-                    moving(&link.body, &state, manner.rolling_per_s)
+                    moving(&link.body, &state)
                 };
                 let solid = link.solid();
                 let (shape, solid_from_shape) = solid.parts();
@@ -286,7 +267,6 @@ impl Simulation {
             most_j: f64::INFINITY,
             tied: Tied::default(),
             links,
-            manner,
             steps: 0,
             bodies: scene.links.iter().map(|link| link.body).collect(),
             radii_m: radii.collect(),
@@ -317,7 +297,7 @@ impl Simulation {
                 (joined, model),
                 &tree.state,
                 &moving,
-                self.manner.rolling_per_s,
+                ROLLING_PER_S,
             );
             self.trees.push(joined);
         }
@@ -367,14 +347,10 @@ impl Simulation {
         !self.trees.is_empty() && !is_sound
     }
 
-    fn step_s(&self) -> f64 {
-        INTERVAL_S / self.manner.steps as f64
-    }
-
     /// Moves held bodies to where they are after the next step.
     fn lead(&mut self, estimate: &Estimate, from_s: f64) {
         self.steps += 1;
-        let time_s = from_s + self.steps as f64 * self.step_s();
+        let time_s = from_s + self.steps as f64 * INTERVAL_S;
         for held in &estimate.held {
             if let Some(handle) = self.links[held.link] {
                 let pose = to_rapier_pose(&held.state(time_s).world_from_body());
@@ -394,8 +370,7 @@ impl Simulation {
                 Some(body.linvel().length() + body.angvel().length() * radius_m)
             })
             .fold(0.0, f64::max);
-        let step_s = self.step_s();
-        let way_m = (fastest_m_s + self.world.gravity.length() * step_s) * step_s;
+        let way_m = (fastest_m_s + self.world.gravity.length() * INTERVAL_S) * INTERVAL_S;
         let prediction_m = (STEPS_AHEAD * way_m).max(self.least_prediction_m);
         let parameters = &mut self.world.integration_parameters;
         parameters.normalized_prediction_distance = prediction_m / parameters.length_unit;
@@ -415,11 +390,7 @@ impl Simulation {
                 .rigid_body_link(handle)
                 .is_some()
             {
-                resist(
-                    &mut self.world.bodies[handle],
-                    body,
-                    self.manner.rolling_per_s,
-                );
+                resist(&mut self.world.bodies[handle], body);
             }
             if body.is_ballistic() && body.force_m_s2() == Vector3::zeros() {
                 continue;
@@ -456,7 +427,7 @@ impl Simulation {
 }
 
 /// A dynamic body in a state, with the scene's mass and moments.
-fn moving(body: &Body, state: &State, rolling_per_s: f64) -> RigidBodyBuilder {
+fn moving(body: &Body, state: &State) -> RigidBodyBuilder {
     let spin = state.orientation * state.angular_velocity_rad_s;
     RigidBodyBuilder::dynamic()
         .pose(to_rapier_pose(&state.world_from_body()))
@@ -467,17 +438,17 @@ fn moving(body: &Body, state: &State, rolling_per_s: f64) -> RigidBodyBuilder {
             body.mass_kg(),
             to_rapier(&body.moments_kg_m2()),
         ))
-        .angular_damping(rolling_per_s)
+        .angular_damping(ROLLING_PER_S)
 }
 
 /// Slows the rotation of a link as that of a body by itself is: rapier does not do that in
 /// multibodies.
-fn resist(link: &mut RigidBody, body: &Body, rolling_per_s: f64) {
+fn resist(link: &mut RigidBody, body: &Body) {
     let orientation = pose_of(link).rotation;
     let spin_rad_s = orientation.inverse_transform_vector(&from_rapier(link.angvel()));
     let momentum = orientation * body.moments_kg_m2().component_mul(&spin_rad_s);
     link.reset_torques(false);
-    link.add_torque(to_rapier(&(-rolling_per_s * momentum)), false);
+    link.add_torque(to_rapier(&(-ROLLING_PER_S * momentum)), false);
 }
 
 #[cfg(test)]

@@ -12,11 +12,11 @@ pub const LEAST: usize = 8;
 /// Standard deviation of a third difference of white noise: √(1 + 9 + 9 + 1).
 const THIRD: f64 = 4.472_135_955;
 
-/// A median absolute value of normal noise.
-const MEDIAN: f64 = 0.674_49;
+/// The least of many noises is less than the noise.
+const LUCK: f64 = 1.5;
 
 /// Residuals of a flight are at most so many times the noise.
-const NOISE: f64 = 5.0;
+const NOISE: f64 = 4.0;
 
 /// The fall during a flight is at least so many times the noise.
 const FALL: f64 = 40.0;
@@ -25,20 +25,22 @@ const FALL: f64 = 40.0;
 const SHARE: f64 = 0.3;
 
 /// How much the acceleration of further flights may differ from the first's.
-const ALIKE: f64 = 0.2;
+pub(super) const ALIKE: f64 = 0.2;
 
 struct Window {
     range: Range<usize>,
     acceleration: Vector3<f64>,
+
     /// `|a| T²/8`: how far the path is from a straight line.
     fall: f64,
+    /// `|a|² T`: what slides on a table is slowed for longer than something falls, but by less.
+    pull: f64,
 }
 
 /// The ranges of readings in which a point of the tracker's axes moves on a parabola within the noise, and falls by
-/// much more than that: first the one that falls farthest, and all others that fall alike, in order of time.
+/// much more than that: first the one that is pulled most, and all others that fall alike, in order of time.
 ///
-/// The noise is that of third differences, which a parabola does not have. A recording of which
-/// most is wild gives a greater one, and flights that are then too long by a sample or two.
+/// The noise is that of third differences, which a parabola does not have, where they are least.
 pub fn flights(stream: &Stream, point_m: &Vector3<f64>) -> Vec<Range<usize>> {
     let places: Vec<Vector3<f64>> = stream
         .readings
@@ -62,12 +64,15 @@ pub fn flights(stream: &Stream, point_m: &Vector3<f64>) -> Vec<Range<usize>> {
         }
         if let Some((end, acceleration)) = longest {
             let duration_s = times[end - 1] - times[start];
-            let fall = acceleration.norm() * duration_s * duration_s / 8.0;
+            let size = acceleration.norm();
+            let fall = size * duration_s * duration_s / 8.0;
             if fall >= FALL * noise {
                 windows.push(Window {
                     range: start..end,
                     acceleration,
+
                     fall,
+                    pull: size * size * duration_s,
                 });
             }
         }
@@ -75,9 +80,9 @@ pub fn flights(stream: &Stream, point_m: &Vector3<f64>) -> Vec<Range<usize>> {
     chosen(windows)
 }
 
-/// The window that falls farthest, then others that do not overlap and fall alike.
+/// The window that is pulled most, then others that do not overlap and fall alike.
 fn chosen(mut windows: Vec<Window>) -> Vec<Range<usize>> {
-    windows.sort_by(|a, b| b.fall.total_cmp(&a.fall));
+    windows.sort_by(|a, b| b.pull.total_cmp(&a.pull));
     let mut found: Vec<Range<usize>> = Vec::new();
     let Some(first) = windows.first() else {
         return found;
@@ -89,7 +94,8 @@ fn chosen(mut windows: Vec<Window>) -> Vec<Range<usize>> {
             .all(|of| window.range.end <= of.start || of.end <= window.range.start);
         let differs = (window.acceleration - acceleration).norm() > ALIKE * acceleration.norm();
         if is_apart && !differs && window.fall >= SHARE * fall {
-            found.push(window.range.clone());
+            // The first and the last sample may be of the hand and of the impact, by a part of an interval.
+            found.push(window.range.start + 1..window.range.end - 1);
         }
     }
     found.sort_by_key(|range| range.start);
@@ -100,19 +106,21 @@ pub(super) fn place(reading: &Reading, point_m: &Vector3<f64>) -> Vector3<f64> {
     (reading.world_from_tracker * nalgebra::Point3::from(*point_m)).coords
 }
 
-/// Standard deviation per axis by the median third difference: at least that of rounding.
+/// Standard deviation per axis by third differences, where they are least for as long as the shortest flight: at rest
+/// or in flight. At least that of rounding.
 fn noise(places: &[Vector3<f64>]) -> f64 {
     let thirds = places.windows(4);
     let thirds = thirds.map(|of| of[3] - of[0] + (of[1] - of[2]) * 3.0);
-    let mut sizes: Vec<f64> = thirds
-        .flat_map(|v| [v.x.abs(), v.y.abs(), v.z.abs()])
-        .collect();
-    sizes.sort_by(f64::total_cmp);
-    // A quarter and not half: most of a recording may be no flight.
-    let quarter = sizes.get(sizes.len() / 4).copied().unwrap_or(0.0);
+    let squares: Vec<f64> = thirds.map(|of| of.norm_squared() / 3.0).collect();
+    let windows = squares.windows(LEAST);
+    let means = windows.map(|of| of.iter().sum::<f64>() / LEAST as f64);
+    let least = means.fold(f64::INFINITY, f64::min);
     let size = places.iter().map(|place| place.amax()).fold(0.0, f64::max);
-    // The quarter of absolute values is 0.3186 standard deviations, half are below 0.6745.
-    (quarter / (MEDIAN * 0.4724 * THIRD)).max(1e-9 * size)
+    if least.is_finite() {
+        (LUCK * least.sqrt() / THIRD).max(1e-9 * size)
+    } else {
+        1e-9 * size
+    }
 }
 
 /// The acceleration of the parabola, where every place is within the noise of it.

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::error::CalibrateError;
+use super::flights::ALIKE;
 use super::spread::{Measured, jackknife};
 use super::stream::Reading;
 use crate::math::so3::matrix;
@@ -184,6 +185,32 @@ pub fn gravity(
             .find(|(_, factor)| (size / (factor * STANDARD_M_S2) - 1.0).abs() < UNIT_TOLERANCE)
             .map(|(unit, _)| unit),
     })
+}
+
+/// Indices of flights whose gravity by themselves differs by more than a fifth from the median of all: hands and
+/// slides that were taken for flights. None of fewer than three.
+pub fn unlike(flights: &[Flight], centre: &Vector3<f64>) -> Vec<usize> {
+    if flights.len() < 3 {
+        return Vec::new();
+    }
+    let alone: Vec<Option<Vector3<f64>>> = flights
+        .iter()
+        .map(|flight| {
+            let fit = gravity(std::slice::from_ref(flight), Some(centre)).ok()?;
+            Some(Vector3::from_column_slice(&fit.gravity.value))
+        })
+        .collect();
+    let median = Vector3::from_fn(|axis, _| {
+        let mut numbers: Vec<f64> = alone.iter().flatten().map(|of| of[axis]).collect();
+        numbers.sort_by(f64::total_cmp);
+        numbers.get(numbers.len() / 2).copied().unwrap_or(0.0)
+    });
+    let differs = |of: &Option<Vector3<f64>>| {
+        of.is_none_or(|of| !((of - median).norm() <= ALIKE * median.norm()))
+    };
+    (0..flights.len())
+        .filter(|at| differs(&alone[*at]))
+        .collect()
 }
 
 /// What one correlation of the noise makes of the flights.

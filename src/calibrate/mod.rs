@@ -37,7 +37,7 @@ mod turn_rate;
 pub use clock::{ClockFit, clock};
 pub use error::CalibrateError;
 pub use flights::{LEAST as LEAST_FLIGHT, flights};
-pub use gravity::{Flight, GravityFit, LengthUnit, gravity};
+pub use gravity::{Flight, GravityFit, LengthUnit, gravity, unlike};
 pub use mount::{Mounted, Standing, mount};
 pub use pivot::{PivotFit, pivot};
 pub use plane::{PlaneFit, Touch, plane, touch};

@@ -16,7 +16,8 @@ pub struct Settled {
     pub links: TiVec<LinkIndex, SettledLink>,
     /// Whether all links came to rest; otherwise some still move at the limit.
     pub at_rest: bool,
-    /// Whether it is a prediction, with what the bodies are made of, and not only a way to rest.
+    /// Whether it is to say where the bodies come to rest, and what was seen of that was not used; otherwise it shows a
+    /// way to rest after the end of what was performed.
     pub is_predicted: bool,
     /// Largest speed of a centre of mass [m/s] among the states at multiples of the interval.
     pub largest_speed_m_s: f64,

@@ -10,7 +10,7 @@ use crate::motion::{
     Settled, Sketch, Suspect, Verdict, Verification,
 };
 use crate::segment::SegmentError;
-use crate::settle::{Manner, predict, settle};
+use crate::settle::settle;
 use crate::verify::lies;
 
 /// The result of a take.
@@ -99,12 +99,11 @@ impl Outcome {
             && let Some(limit_s) = self.scene.settle_s
         {
             observer.phase(Phase::Settle);
-            self.settled = if is_predicted {
-                let scene = self.scene.as_estimated(&self.estimate);
-                predict(&scene, &self.estimate, limit_s, &Manner::PREDICTING)
-            } else {
-                settle(&self.scene, &self.estimate, limit_s)
-            };
+            let scene = self.scene.as_estimated(&self.estimate);
+            self.settled = settle(&scene, &self.estimate, limit_s);
+            if let Some(settled) = &mut self.settled {
+                settled.is_predicted = is_predicted;
+            }
         }
     }
 

@@ -238,6 +238,17 @@ pub(super) fn gravity(inputs: &[PathBuf], choice: &CalibrateChoice) -> anyhow::R
             flights.push(Flight { readings });
         }
     }
+    for at in calibrate::unlike(&flights, &centre_m.unwrap_or_default())
+        .into_iter()
+        .rev()
+    {
+        let flight = flights.remove(at);
+        found.notes.push(format!(
+            "flight {} of {} samples falls unlike the others and was left out",
+            at + 1,
+            flight.readings.len()
+        ));
+    }
     let fit = calibrate::gravity(&flights, centre_m.as_ref())?;
     found.quantity.push(measured(
         "gravity in the tracker's frame",

@@ -15,6 +15,9 @@ use crate::motion::{Scene, Track};
 /// Share of samples that may be too far off.
 const OUTLIERS: f64 = 0.1;
 
+/// A tip that strays by more was not held \[m\].
+const STRAYS_M: f64 = 5e-3;
+
 /// Names of what a pivot finds, by which `plane --tip` reads it.
 const TIP: &str = "tip in the tracker's axes";
 
@@ -88,6 +91,13 @@ pub(super) fn pivot(
         &[fit.outliers as f64],
     ));
     say_spread(&mut found, &fit.spread);
+
+    if fit.residual_m > STRAYS_M {
+        found.against.push(format!(
+            "the tip strays by {:.1} mm: it was not held in one place",
+            fit.residual_m * 1e3
+        ));
+    }
     if share > OUTLIERS {
         found.against.push(format!(
             "the tip is elsewhere in {:.0} % of the samples: it slipped; use --from and --to, or hold it in a dimple",

@@ -13,7 +13,7 @@ use enact::calibrate::{self, Flight, Reading, Stream};
 use enact::config::scene_from_toml;
 use enact::math::Pose;
 use enact::motion::{Estimate, LinkIndex, Scene, TakeEvent};
-use enact::settle::{Manner, predict};
+use enact::settle::{FRICTION, RESTITUTION, settle};
 use enact_tools::tosses::{RATES_HZ, Toss, all, scene_toml};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -35,15 +35,6 @@ struct Arguments {
     /// Restitution and friction that are not fitted, to be compared: `0.265,0.166`
     #[arg(long, value_delimiter = ',')]
     given: Vec<f64>,
-    /// Steps between poses, in place of the program's own
-    #[arg(long)]
-    steps: Option<usize>,
-    /// Springs of contacts \[Hz\]
-    #[arg(long)]
-    hz: Option<f64>,
-    /// Their damping ratio
-    #[arg(long)]
-    damping: Option<f64>,
 }
 
 /// A toss with the estimate of its first flight.
@@ -88,26 +79,23 @@ fn main() -> Result<()> {
             })
         })
         .collect();
-    let mut manner = Manner::PREDICTING;
-    manner.steps = arguments.steps.unwrap_or(manner.steps);
-    manner.contact_hz = arguments.hz.unwrap_or(manner.contact_hz);
-    manner.contact_damping = arguments.damping.unwrap_or(manner.contact_damping);
+
     let train: Vec<&Case> = cases.iter().filter(|case| !case.is_held_out).collect();
     let held_out: Vec<&Case> = cases.iter().filter(|case| case.is_held_out).collect();
     let cost = |law: [f64; 2]| {
-        let errors = errors(&train, &scene, law, &manner);
+        let errors = errors(&train, &scene, law);
         errors.iter().map(|(m, _)| m.sqrt()).sum::<f64>() / errors.len() as f64
     };
     let fitted = fitted(cost);
-    let mut rows = vec![("fitted to the other half".to_owned(), fitted, manner)];
+    let mut rows = vec![("fitted to the other half".to_owned(), fitted)];
     if let [restitution, friction] = arguments.given[..] {
-        rows.push(("given".to_owned(), [restitution, friction], manner));
+        rows.push(("given".to_owned(), [restitution, friction]));
     }
-    rows.push(("settled with the same".to_owned(), fitted, Manner::SETTLING));
+    rows.push(("without a material".to_owned(), [RESTITUTION, FRICTION]));
     let mut written = Vec::new();
-    for (name, law, manner) in rows {
+    for (name, law) in rows {
         for (half, cases) in [("train", &train), ("held out", &held_out)] {
-            let errors = errors(cases, &scene, law, &manner);
+            let errors = errors(cases, &scene, law);
             let line = summary(&name, half, law, &errors);
             println!("{line}");
             written.push(line);
@@ -166,13 +154,13 @@ fn gravity<'a>(tosses: impl Iterator<Item = &'a Toss>) -> Result<Vector3<f64>> {
 }
 
 /// Horizontal distance \[m\] and angle \[rad\] from where each rests.
-fn errors(cases: &[&Case], scene: &Scene, law: [f64; 2], manner: &Manner) -> Vec<(f64, f64)> {
+fn errors(cases: &[&Case], scene: &Scene, law: [f64; 2]) -> Vec<(f64, f64)> {
     let mut scene = scene.clone();
     for of in &mut scene.contact_laws {
         [of.restitution, of.friction] = law;
     }
     let errors = cases.par_iter().map(|case| {
-        let settled = predict(&scene, &case.estimate, LIMIT_S, manner);
+        let settled = settle(&scene, &case.estimate, LIMIT_S);
         let last = settled.and_then(|settled| settled.links[LinkIndex(0)].poses.last().copied());
         last.map_or((1.0, std::f64::consts::PI), |last| {
             let off = last.translation.vector - case.rest.translation.vector;
