@@ -7,6 +7,16 @@
 
 use std::time::Instant;
 
+/// How a file is read.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Reading {
+    /// As a journal of a live take, all of whose data are in records with checksums: no other record
+    /// is believed, and its bytes are said not to have been read.
+    pub is_journal: bool,
+    /// When reading ends, wherever it is; what was not read is then a damage ([`Damage::Late`](super::Damage::Late)).
+    pub deadline: Option<Instant>,
+}
+
 /// Limit of what all chunks unpack to: this multiple of the file's size plus [`UNPACKED_BYTES`].
 /// Poses compress three to ten times, what stands still fifty times.
 const UNPACKED_SHARE: usize = 64;

@@ -4,11 +4,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
-use std::time::Instant;
 
 use mcap::MAGIC;
 use thiserror::Error;
 
+use super::budget::Reading;
 use super::damage::{Damage, Damages};
 use super::record::Content;
 use super::summary;
@@ -91,16 +91,6 @@ pub struct Container {
     is_sorted: bool,
     damages: Damages,
     reading: Reading,
-}
-
-/// How a file is read.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Reading {
-    /// As a journal of a live take, all of whose data are in records with checksums: no other record
-    /// is believed, and its bytes are said not to have been read.
-    pub is_journal: bool,
-    /// When reading ends, wherever it is; what was not read is then a damage ([`Damage::Late`]).
-    pub deadline: Option<Instant>,
 }
 
 /// Limit of the lengths of all definitions of channels that are kept: this multiple of the file's

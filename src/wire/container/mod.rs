@@ -27,7 +27,8 @@ mod scan;
 mod summary;
 pub mod walk;
 
+pub use budget::Reading;
 pub use damage::{Damage, Damages};
-pub use index::{Attachment, Channel, Container, ContainerError, Metadata, Reading, Schema};
+pub use index::{Attachment, Channel, Container, ContainerError, Metadata, Schema};
 pub use record::{REPEATED, REPEATS};
 pub use walk::{Message, Walk};

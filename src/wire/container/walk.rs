@@ -8,9 +8,8 @@ use std::sync::Arc;
 use mcap::MAGIC;
 use mcap::records::op;
 
-use super::budget::Budget;
+use super::budget::{Budget, Reading};
 use super::damage::{Damage, Damages};
-use super::index::Reading;
 use super::record::{self, ChunkHeader, Content, FRAME_BYTES};
 use super::scan::{self, Scan};
 
