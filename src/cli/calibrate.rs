@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use super::calibrate_arguments::{CalibrateCommand, Common, SceneCalibratedArguments};
+use super::arguments::Format;
+use super::arguments::{CalibrateCommand, Common, SceneCalibratedArguments};
 use super::exit::Exit;
 use super::output;
 use super::process::print_failure;
 use super::table::table;
-use super::values::Format;
 use crate::service::{
     self, CalibrateChoice, CalibrateJob, CalibrateKind, CalibrateSceneJob, Calibrated,
     SceneCalibrated, TouchingPoint,

@@ -13,7 +13,6 @@
 mod account;
 mod arguments;
 mod calibrate;
-mod calibrate_arguments;
 #[cfg(feature = "live")]
 mod capture;
 mod completion;
@@ -39,6 +38,5 @@ mod summary;
 mod table;
 #[cfg(feature = "live")]
 mod take;
-mod values;
 
 pub use run::run;

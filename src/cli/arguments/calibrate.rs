@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, Subcommand};
 
-use super::values::{Format, rate};
+use super::values::{Format, rate, triple};
 
 /// The commands of `calibrate`.
 #[derive(Debug, Subcommand)]
-pub(super) enum CalibrateCommand {
+pub(in crate::cli) enum CalibrateCommand {
     /// The tip in the tracker's axes: hold it in one place, swing the object about two axes
     Pivot(PivotArguments),
     /// A plane: touch it with the tip, three times or more, not in a line
@@ -23,154 +23,130 @@ pub(super) enum CalibrateCommand {
 
 /// What all of them have.
 #[derive(Debug, Args)]
-pub(super) struct Common {
+pub(in crate::cli) struct Common {
     /// Scene file [default: scene.toml attached to the recording, if there is one]
     #[arg(long, value_name = "FILE")]
-    pub(super) scene: Option<PathBuf>,
+    pub(in crate::cli) scene: Option<PathBuf>,
     /// The scene's body that carries the tracker [default: the only one]
     #[arg(long, value_name = "NAME")]
-    pub(super) body: Option<String>,
+    pub(in crate::cli) body: Option<String>,
     /// Only from so many seconds after the first sample
     #[arg(long, value_name = "S")]
-    pub(super) from: Option<f64>,
+    pub(in crate::cli) from: Option<f64>,
     /// Only until so many seconds after the first sample
     #[arg(long, value_name = "S")]
-    pub(super) to: Option<f64>,
+    pub(in crate::cli) to: Option<f64>,
     /// Where the calibration goes, TOML; a file that is there is not replaced [default: stdout]
     #[arg(short, long, value_name = "FILE")]
-    pub(super) output: Option<PathBuf>,
+    pub(in crate::cli) output: Option<PathBuf>,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
-    pub(super) format: Format,
+    pub(in crate::cli) format: Format,
 }
 
 /// Arguments of `calibrate pivot`.
 #[derive(Debug, Args)]
-pub(super) struct PivotArguments {
+pub(in crate::cli) struct PivotArguments {
     /// The recording, an MCAP file
     #[arg(value_name = "IN")]
-    pub(super) input: PathBuf,
+    pub(in crate::cli) input: PathBuf,
     /// Topic of the tracker's poses [default: the body's, or the only one]
     #[arg(long, value_name = "TOPIC")]
-    pub(super) topic: Option<String>,
+    pub(in crate::cli) topic: Option<String>,
     /// The scene's name of the tip: the tracker's mount follows from it
     #[arg(long, value_name = "NAME")]
-    pub(super) feature: Option<String>,
+    pub(in crate::cli) feature: Option<String>,
     #[command(flatten)]
-    pub(super) common: Common,
+    pub(in crate::cli) common: Common,
 }
 
 /// Arguments of `calibrate plane`.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("touching").required(true).args(["point", "tip", "feature"])))]
-pub(super) struct PlaneArguments {
+pub(in crate::cli) struct PlaneArguments {
     /// The recording, an MCAP file, with a mark at each touch
     #[arg(value_name = "IN")]
-    pub(super) input: PathBuf,
+    pub(in crate::cli) input: PathBuf,
     /// Topic of the tracker's poses [default: the body's, or the only one]
     #[arg(long, value_name = "TOPIC")]
-    pub(super) topic: Option<String>,
+    pub(in crate::cli) topic: Option<String>,
     /// What touches: a point in the tracker's axes, in millimetres
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
-    pub(super) point: Option<[f64; 3]>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    pub(in crate::cli) point: Option<[f64; 3]>,
     /// What touches: the tip in a file of `calibrate pivot`
     #[arg(long, value_name = "FILE")]
-    pub(super) tip: Option<PathBuf>,
+    pub(in crate::cli) tip: Option<PathBuf>,
     /// What touches: a feature of the scene's body
     #[arg(long, value_name = "NAME")]
-    pub(super) feature: Option<String>,
+    pub(in crate::cli) feature: Option<String>,
     /// When it touches, in seconds after the first sample [default: at the marks]
     #[arg(long, value_name = "S,S,S", value_delimiter = ',')]
-    pub(super) at: Vec<f64>,
+    pub(in crate::cli) at: Vec<f64>,
     /// For how long it stays where it touches, before and after, in milliseconds
     #[arg(long, value_name = "MS", default_value_t = 50.0, value_parser = rate)]
-    pub(super) window_ms: f64,
+    pub(in crate::cli) window_ms: f64,
     /// The scene's name of the plane
     #[arg(long, value_name = "NAME", default_value = "table")]
-    pub(super) surface: String,
+    pub(in crate::cli) surface: String,
     #[command(flatten)]
-    pub(super) common: Common,
+    pub(in crate::cli) common: Common,
 }
 
 /// Arguments of `calibrate rest`.
 #[derive(Debug, Args)]
-pub(super) struct RestArguments {
+pub(in crate::cli) struct RestArguments {
     /// The recordings, MCAP files
     #[arg(value_name = "IN", required = true)]
-    pub(super) inputs: Vec<PathBuf>,
+    pub(in crate::cli) inputs: Vec<PathBuf>,
     /// Topic of the tracker's poses [default: the body's, or the only one]
     #[arg(long, value_name = "TOPIC")]
-    pub(super) topic: Option<String>,
+    pub(in crate::cli) topic: Option<String>,
     /// The body's axis or face that is up, such as +z; one for each recording
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
-    pub(super) stands: Vec<String>,
+    pub(in crate::cli) stands: Vec<String>,
     #[command(flatten)]
-    pub(super) common: Common,
+    pub(in crate::cli) common: Common,
 }
 
 /// Arguments of `calibrate gravity`.
 #[derive(Debug, Args)]
-pub(super) struct GravityArguments {
+pub(in crate::cli) struct GravityArguments {
     /// The recordings, MCAP files; their flights are searched for, unless --from and --to say where one is
     #[arg(value_name = "IN", required = true)]
-    pub(super) inputs: Vec<PathBuf>,
+    pub(in crate::cli) inputs: Vec<PathBuf>,
     /// Topic of the tracker's poses [default: the body's, or the only one]
     #[arg(long, value_name = "TOPIC")]
-    pub(super) topic: Option<String>,
+    pub(in crate::cli) topic: Option<String>,
     #[command(flatten)]
-    pub(super) common: Common,
+    pub(in crate::cli) common: Common,
 }
 
 /// Arguments of `calibrate clock`.
 #[derive(Debug, Args)]
-pub(super) struct ClockArguments {
+pub(in crate::cli) struct ClockArguments {
     /// The recording, an MCAP file
     #[arg(value_name = "IN")]
-    pub(super) input: PathBuf,
+    pub(in crate::cli) input: PathBuf,
     /// Topics of the two streams; offset and drift are those of the second [default: the body's, or the only two]
     #[arg(long, value_name = "TOPIC", num_args = 2)]
-    pub(super) topics: Vec<String>,
+    pub(in crate::cli) topics: Vec<String>,
     #[command(flatten)]
-    pub(super) common: Common,
+    pub(in crate::cli) common: Common,
 }
 
 /// Arguments of `scene calibrated`.
 #[derive(Debug, Args)]
-pub(super) struct SceneCalibratedArguments {
+pub(in crate::cli) struct SceneCalibratedArguments {
     /// The scene
     #[arg(value_name = "SCENE")]
-    pub(super) scene: PathBuf,
+    pub(in crate::cli) scene: PathBuf,
     /// Files of `calibrate`; where two are about the same, the later one counts
     #[arg(value_name = "CALIBRATION", required = true)]
-    pub(super) calibrations: Vec<PathBuf>,
+    pub(in crate::cli) calibrations: Vec<PathBuf>,
     /// The new scene; a file that is there is not replaced [default: stdout]
     #[arg(short, long, value_name = "FILE")]
-    pub(super) output: Option<PathBuf>,
+    pub(in crate::cli) output: Option<PathBuf>,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
-    pub(super) format: Format,
-}
-
-fn point(text: &str) -> Result<[f64; 3], String> {
-    let numbers: Vec<f64> = text
-        .split(',')
-        .map(|part| part.trim().parse::<f64>().ok().filter(|x| x.is_finite()))
-        .collect::<Option<_>>()
-        .unwrap_or_default();
-    numbers
-        .try_into()
-        .map_err(|_| "expected three numbers such as 0,12.5,-95".to_owned())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::point;
-
-    #[test]
-    fn points_are_three_numbers() {
-        assert_eq!(point("0, 1.5,-2"), Ok([0.0, 1.5, -2.0]));
-        for bad in ["", "1,2", "1,2,3,4", "1,2,x", "1,2,inf"] {
-            assert!(point(bad).is_err(), "{bad}");
-        }
-    }
+    pub(in crate::cli) format: Format,
 }
