@@ -45,8 +45,10 @@ pub enum Damage {
         bytes: usize,
     },
     /// A definition beyond what is kept of a file of that size.
-    #[error("channel {id} is left out: the definitions are longer than 4 times the file and 4 MiB")]
+    #[error("{what} {id} is left out: the definitions are longer than 4 times the file and 4 MiB")]
     Definitions {
+        /// `channel` or `schema`.
+        what: &'static str,
         /// Its id.
         id: u16,
     },

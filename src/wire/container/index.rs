@@ -93,7 +93,7 @@ pub struct Container {
     reading: Reading,
 }
 
-/// Limit of the lengths of all definitions of channels that are kept: this multiple of the file's
+/// Limit of the lengths of all definitions that are kept: this multiple of the file's
 /// size plus [`DEFINED_BYTES`].
 const DEFINED_SHARE: usize = 4;
 const DEFINED_BYTES: usize = 4 << 20;
@@ -115,9 +115,9 @@ struct Gathered {
     waiting: BTreeMap<u16, mcap::records::Channel>,
     /// What is defined twice, differently: `channel` or `schema`, and its id.
     redefined: BTreeSet<(&'static str, u16)>,
-    /// Channels for which there is no place.
-    refused: BTreeSet<u16>,
-    /// How long definitions of channels may still be.
+    /// Definitions for which there is no place, likewise.
+    refused: BTreeSet<(&'static str, u16)>,
+    /// How long definitions may still be.
     defined_left: usize,
     last_log_time: u64,
 }
@@ -136,21 +136,23 @@ impl Gathered {
         }
     }
 
-    /// Whether there is a place for a channel that is not known yet.
-    fn has_place(&mut self, channel: &mcap::records::Channel) -> bool {
-        let pairs = channel.metadata.iter();
-        let length = channel.topic.len()
-            + channel.message_encoding.len()
-            + pairs
-                .map(|(key, value)| 8 + key.len() + value.len())
-                .sum::<usize>();
+    /// Whether there is a place for a definition that is not known yet. None is given to one that was
+    /// refused before.
+    fn has_place(&mut self, what: &'static str, id: u16, length: usize) -> bool {
         let left = self.defined_left.checked_sub(length);
-        self.defined_left = left.unwrap_or(self.defined_left);
         if left.is_none() {
-            self.refused.insert(channel.id);
+            self.refused.insert((what, id));
         }
-        left.is_some()
+        self.defined_left = left.unwrap_or(self.defined_left);
+        left.is_some() && !self.refused.contains(&(what, id))
     }
+}
+
+/// Length of what is kept of a channel.
+fn length_of(channel: &mcap::records::Channel) -> usize {
+    let pairs = channel.metadata.iter();
+    let pairs = pairs.map(|(key, value)| 8 + key.len() + value.len());
+    channel.topic.len() + channel.message_encoding.len() + pairs.sum::<usize>()
 }
 
 impl Container {
@@ -299,6 +301,11 @@ impl Container {
                     encoding: header.encoding,
                     data,
                 };
+                let length = schema.name.len() + schema.encoding.len() + schema.data.len();
+                let is_new = !self.schemas.contains_key(&header.id);
+                if is_new && !gathered.has_place("schema", header.id, length) {
+                    return;
+                }
                 if !define(&mut self.schemas, header.id, schema) {
                     gathered.redefined.insert(("schema", header.id));
                 }
@@ -342,7 +349,7 @@ impl Container {
         let schema_id = (record.schema_id != 0).then_some(record.schema_id);
         let id = record.id;
         let is_new = !self.channels.contains_key(&id) && !gathered.waiting.contains_key(&id);
-        if gathered.refused.contains(&id) || (is_new && !gathered.has_place(&record)) {
+        if is_new && !gathered.has_place("channel", id, length_of(&record)) {
             return;
         }
         if schema_id.is_some_and(|schema| !self.schemas.contains_key(&schema)) {
@@ -381,8 +388,8 @@ impl Container {
         for (what, id) in gathered.redefined {
             self.damages.push(Damage::Redefined { what, id });
         }
-        for id in gathered.refused {
-            self.damages.push(Damage::Definitions { id });
+        for (what, id) in gathered.refused {
+            self.damages.push(Damage::Definitions { what, id });
         }
         for channel in lost {
             let (id, schema) = (channel.id, channel.schema_id);

@@ -26,6 +26,9 @@ const ZSTD_WINDOW_LOG: u32 = 26;
 /// Longest name of a topic, schema or encoding: there may be 65,535 of each, and each is listed.
 const NAME_LIMIT_BYTES: usize = 1024;
 
+/// Longest definition of a schema: a writer keeps two more copies of it.
+const SCHEMA_LIMIT_BYTES: usize = 4 << 20;
+
 /// Longest definition of a channel: in memory its pairs are ten times as long.
 const CHANNEL_LIMIT_BYTES: usize = 1 << 20;
 
@@ -139,6 +142,12 @@ pub(super) fn belongs_into_chunk(opcode: u8) -> bool {
 }
 
 fn schema(body: &[u8]) -> Result<Content, McapError> {
+    if body.len() > SCHEMA_LIMIT_BYTES {
+        return Err(refused(format!(
+            "a schema of {} bytes, at most {SCHEMA_LIMIT_BYTES} are read",
+            body.len()
+        )));
+    }
     let mut at = 0;
     let header = SchemaHeader {
         id: u16::from_le_bytes(take(body, &mut at)?),

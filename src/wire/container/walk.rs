@@ -275,7 +275,7 @@ impl Walk {
         self.chunk_at = 0;
         self.chunk.clear();
         if let Some(first) = self.first_of(at..end) {
-            self.at = end;
+            self.leave(at..end, is_framed);
             self.damages.push(Damage::Repeated { at, first });
             return None;
         }
@@ -284,15 +284,10 @@ impl Walk {
         self.scan.budget.take_unpacked(work);
         match result {
             Ok(()) => {
-                self.at = end;
                 self.remember(at..end);
                 let header = record::chunk_header(&self.bytes, at);
                 self.chunk_is_checked = header.is_some_and(|header| header.is_checked);
-                if !is_framed {
-                    self.damages.push(Damage::Frame { at });
-                    self.is_strict = true;
-                    self.check_end(at);
-                }
+                self.leave(at..end, is_framed);
             }
             Err(_) if work > limit => self.end(Damage::Unpacked {
                 at,
@@ -311,6 +306,16 @@ impl Walk {
             }
         }
         None
+    }
+
+    /// Goes on behind a chunk that was read, now or before.
+    fn leave(&mut self, chunk: Range<usize>, is_framed: bool) {
+        self.at = chunk.end;
+        if !is_framed {
+            self.damages.push(Damage::Frame { at: chunk.start });
+            self.is_strict = true;
+            self.check_end(chunk.start);
+        }
     }
 
     /// After a chunk whose record and header state different lengths: where neither leads to a
