@@ -12,14 +12,9 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Parser, Subcommand};
 
-pub(super) use calibrate::{
-    CalibrateCommand, ClockArguments, Common, GravityArguments, PivotArguments, PlaneArguments,
-    RestArguments, SceneCalibratedArguments,
-};
-pub(super) use estimate::{Free, Limits, PredictArguments, ProcessArguments, ReplayArguments};
-pub(super) use live::{
-    CaptureArguments, DoctorArguments, RecoverArguments, StopArguments, TakeArguments, Wanted,
-};
+pub(super) use calibrate::{CalibrateCommand, Common, SceneCalibratedArguments};
+pub(super) use estimate::{Free, PredictArguments, ProcessArguments, ReplayArguments};
+pub(super) use live::{CaptureArguments, DoctorArguments, RecoverArguments, TakeArguments, Wanted};
 pub(super) use output::{ExportArguments, ReportArguments, Seen, Target};
 pub(super) use recording::{
     ImportArguments, InspectArguments, MarkArguments, Order, Rotation, SketchArguments,

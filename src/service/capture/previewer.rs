@@ -17,7 +17,7 @@ use super::metrics::Metrics;
 use super::notice::{Notice, Shown, Speaker};
 use crate::motion::{Scene, TakeEvent};
 use crate::pipeline::Preview;
-use crate::report::{gravest, printable};
+use crate::report::{gravest, plain};
 use crate::service::words;
 
 /// After an estimate that takes longer than this, the thread rests four times as long.
@@ -148,7 +148,7 @@ impl Previewer {
                 self.metrics.no_preview();
                 // It may name a mark, as it came.
                 let error = words(&error);
-                let error = printable(&error);
+                let error = plain(&error);
                 tracing::debug!(take, marks, %error, "no estimate so far");
             }
         }
