@@ -5,6 +5,7 @@ use std::time::Instant;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::ZeroCopySend;
 
+use super::answer_parts::{AnswerParts, Answered};
 use crate::motion::{Scene, TrackIndex};
 use crate::wire::live::{
     ANSWER_SERVICE, AnswerRecord, CONTROL_SERVICE, ControlRecord, LABEL_SERVICE, LabelRecord,
@@ -163,19 +164,7 @@ impl TakeListener {
 /// Subscriber to what a daemon says in words.
 pub struct AnswerListener {
     answers: SubscriberPort<AnswerRecord>,
-    /// The parts so far of the answer that is being received.
-    parts: Vec<AnswerRecord>,
-}
-
-/// What a daemon said: the command it answers, as session and sequence number, and the JSON.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Answered {
-    /// Session of the command, 0 where it answers none.
-    pub session: u32,
-    /// Its sequence number.
-    pub sequence: u64,
-    /// One JSON object.
-    pub json: String,
+    parts: AnswerParts,
 }
 
 impl AnswerListener {
@@ -183,7 +172,7 @@ impl AnswerListener {
     pub fn open(node: &Node) -> Result<Self, LiveError> {
         Ok(Self {
             answers: port(node, ANSWER_SERVICE, Quality::TEXTS, &mut Vec::new())?,
-            parts: Vec::new(),
+            parts: AnswerParts::default(),
         })
     }
 
@@ -191,26 +180,8 @@ impl AnswerListener {
     /// is left out.
     pub fn receive(&mut self) -> Result<Option<Answered>, LiveError> {
         while let Some(record) = self.answers.next()? {
-            let is_next = self.parts.last().is_some_and(|last| {
-                last.sequence == record.sequence && last.part.checked_add(1) == Some(record.part)
-            });
-            if !is_next {
-                self.parts.clear();
-                if record.part != 0 {
-                    continue;
-                }
-            }
-            self.parts.push(record);
-            if record.part.saturating_add(1) < record.parts {
-                continue;
-            }
-            let bytes = self.parts.iter().flat_map(|part| part.bytes().to_vec());
-            if let Ok(json) = String::from_utf8(bytes.collect()) {
-                return Ok(Some(Answered {
-                    session: record.control_session,
-                    sequence: record.control_sequence,
-                    json,
-                }));
+            if let Some(answered) = self.parts.take(&record) {
+                return Ok(Some(answered));
             }
         }
         Ok(None)

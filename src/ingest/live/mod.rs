@@ -4,12 +4,14 @@
 //! [`Stream`] is a pure state machine: one tracker's samples counted ([`SequenceCounts`]) and
 //! stamped ([`super::clock`]), with no clock of its own.
 
+mod answer_parts;
 mod listening;
 mod sequence_counts;
 mod stream;
 
+pub use answer_parts::Answered;
 pub use listening::{
-    AnswerListener, Answered, Arrival, Arrived, Listening, StreamTopic, TakeListener, stream_topics,
+    AnswerListener, Arrival, Arrived, Listening, StreamTopic, TakeListener, stream_topics,
 };
 pub use sequence_counts::{Fate, SequenceCounts, TallyCounts};
 pub use stream::{Stream, Streamed, stamp_mark};
