@@ -1,7 +1,7 @@
 //! Binary glTF 2.0: a node per body with keys, and what stands still.
 //!
 //! The file is y-up, as glTF wants it, by one node over all others; below it everything is as it is in the
-//! scene, z-up and in metres. A body's node is its frame, at the centre of mass along its principal axes.
+//! scene, z-up and in metres. A body's node is its frame, the one in which the scene gives it.
 
 use serde::Serialize;
 use serde_json::json;
