@@ -165,6 +165,47 @@ fn the_motion_does_not_depend_on_the_frame_and_its_poses_are_of_that() {
     assert!(compared.iter().all(|count| *count > 100), "{compared:?}");
 }
 
+/// The mug of nine obstacles as one that is turned: the pencil flies in, and is simulated to rest within.
+#[test]
+fn a_mug_is_one_obstacle_with_a_cavity() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let take = concat!(env!("CARGO_MANIFEST_DIR"), "/recordings/pencil_tip.mcap");
+    let plain = include_str!("../config/pencil_tip.toml");
+    let from = plain.find("[[obstacle]]").expect("obstacles");
+    let to = plain.find("[[event]]").expect("events");
+    let scene = |wall: &str| {
+        format!(
+            "{}[[obstacle]]\nname = \"mug\"\nposition_mm = [0, 0, 0]\nshape = {{ kind = \"revolution\", \
+             profile_mm = [[0, 0], [44, 0], [44, 95]]{wall} }}\n{}",
+            &plain[..from],
+            &plain[to..]
+        )
+    };
+    let estimate = |name: &str, scene: String, code: i32| -> Value {
+        let [scene_file, output] = ["toml", "mcap"].map(|of| format!("{name}.{of}"));
+        fs::write(folder.path().join(&scene_file), scene).expect("a file");
+        let replay = [
+            "replay",
+            take,
+            "--scene",
+            &scene_file,
+            "-o",
+            &output,
+            "--format",
+            "ndjson",
+        ];
+        serde_json::from_str(&ran(folder.path(), &replay, code)).expect("JSON")
+    };
+    let nine = estimate("nine", plain.into(), 0);
+    let one = estimate("one", scene(", wall_mm = 4"), 0);
+    assert_eq!(one["verdict"], "physical");
+    assert_eq!(one["objective"], nine["objective"]);
+    assert_eq!(one["settled"]["at_rest"], true, "{one}");
+    // A filled one is in the way.
+    let filled = estimate("filled", scene(""), 3);
+    assert_eq!(filled["doubts"][0]["quantity"], "overlap", "{filled}");
+}
+
 /// The scene of the chain with its rods given in other frames: the first and the last in one, the middle in another.
 fn chain_in(ends: &Pose, middle: &Pose) -> String {
     let mut text = include_str!("../config/chain.toml").to_owned();

@@ -266,7 +266,36 @@ fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motion::LinkIndex;
     use crate::motion::fixture::scene;
+
+    #[test]
+    fn a_body_that_is_given_elsewhere_has_its_mass_and_shape_where_they_are() {
+        let mut scene = scene();
+        let plain = robot(&scene, "map", 2.0);
+        assert!(plain.contains("<inertial>\n      <mass"), "{plain}");
+        // Given from 95 mm below its centre of mass.
+        scene.links[LinkIndex(0)].link_from_given = Pose::translation(0.0, 0.0, -0.095);
+        let text = robot(&scene, "map", 2.0);
+        let of = |tag: &str| {
+            let at = text
+                .find("<link name=\"pencil_estimate\">")
+                .expect("the pencil");
+            let from = at + text[at..].find(tag).expect("what it has");
+            text[from..]
+                .lines()
+                .nth(1)
+                .expect("an origin")
+                .replace("-0 ", "0 ")
+        };
+        for tag in ["<inertial>", "<visual>"] {
+            assert!(
+                of(tag).contains("<origin xyz=\"0 0 0.095\" rpy="),
+                "{}",
+                of(tag)
+            );
+        }
+    }
 
     #[test]
     fn links_are_the_frames_of_the_estimate() {

@@ -13,8 +13,8 @@ const HEADER: &str = "t_s,stamp_ns,body,motion,event,x_m,y_m,z_m,qw,qx,qy,qz";
 /// A row per key and body in order of time, below comments on where it is from and a header.
 ///
 /// `t_s` is physical time, `stamp_ns` the same as the recording counts it; `motion` is `estimate`,
-/// `simulated` or `acted`; `event` is empty where none happens. Places are of centres of mass in world axes, and
-/// quaternions turn the axes of the body into them.
+/// `simulated` or `acted`; `event` is empty where none happens. Places are in world axes, of the
+/// origins of the frames in which the scene gives the bodies, and quaternions turn those frames into them.
 pub fn csv(
     scene: &Scene,
     bodies: &[ExportedBody],
