@@ -9,6 +9,9 @@ use super::stream::{Reading, Stream};
 /// Least width of the touches beside their length.
 const LEAST_WIDTH: f64 = 0.05;
 
+/// Least width of the touches \[m\]: nearer ones are one touch.
+const LEAST_WIDTH_M: f64 = 5e-3;
+
 /// Greatest uncertainty of the normal's direction \[rad\]: beyond that, the touches are a line.
 const GREATEST_TILT_RAD: f64 = 0.17;
 
@@ -189,7 +192,10 @@ impl Fitted {
         };
         let [long_m, wide_m] = fitted.extents_m;
         let tilt_rad = fitted.sd_m().unwrap_or(0.0) / wide_m;
-        if !(wide_m > LEAST_WIDTH * long_m && tilt_rad < GREATEST_TILT_RAD) {
+        if !(wide_m > LEAST_WIDTH * long_m
+            && wide_m > LEAST_WIDTH_M
+            && tilt_rad < GREATEST_TILT_RAD)
+        {
             let extent_mm = |axis: usize| {
                 let along = touches
                     .iter()

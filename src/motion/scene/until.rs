@@ -45,3 +45,45 @@ impl Scene {
         scene
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::scene_from_toml;
+
+    #[test]
+    fn what_comes_after_is_not_in_it() {
+        let bounce = |name: &str| {
+            format!(
+                "[[event]]\nname = \"{name}\"\nkind = \"collision\"\nbody = \"ball\"\nsurface = \"table\"\nrestitution = 0.5\n\
+                 [[free]]\nquantity = \"{name}.restitution\"\n\
+                 [[free]]\nquantity = \"{name}.tilt\"\ncone_deg = 5\n"
+            )
+        };
+        let text = format!(
+            "name = \"x\"\nsettle_s = 2\n[timing]\nstamps = \"physical\"\n\
+             [[body]]\nname = \"ball\"\nshape = {{ kind = \"sphere\", radius_mm = 20 }}\nmass_g = 5\n\
+             [[surface]]\nname = \"table\"\npoint_mm = [0, 0, 0]\nnormal = [0, 0, 1]\n{}{}\
+             [[event]]\nname = \"end\"\nkind = \"end\"\n\
+             [[goal]]\nevent = \"end\"\nbody = \"ball\"\nposition_mm = [1, 2, 3]\n",
+            bounce("one"),
+            bounce("two")
+        );
+        let scene = scene_from_toml(&text).unwrap();
+        let until = scene.until(1);
+        let names: Vec<&str> = until
+            .events
+            .iter()
+            .map(|event| event.name.as_str())
+            .collect();
+        assert_eq!(names, ["one", "two"]);
+        assert_eq!(until.events[1].kind, EventKind::End);
+        let free: Vec<&str> = until.parameters.iter().map(|of| of.name.as_str()).collect();
+        assert_eq!(free, ["one.restitution", "one.tilt.0", "one.tilt.1"]);
+        assert_eq!(until.cones.len(), 1);
+        assert_eq!(until.cones[0].parameters, [1, 2]);
+        assert!(until.goals.is_empty());
+        let first = scene.until(0);
+        assert!(first.parameters.is_empty() && first.cones.is_empty());
+    }
+}
