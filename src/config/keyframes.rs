@@ -45,7 +45,7 @@ struct Written {
 
 /// The rows of a CSV file.
 pub fn sketch_from_csv(text: &str, scene: &Scene) -> Result<Vec<SketchRow>, SceneError> {
-    let rows = csv::rows(text).and_then(|rows| checked(rows, scene));
+    let rows = self::csv::rows(text).and_then(|rows| checked(rows, scene));
     rows.map_err(|fault| SceneError::from_fault(text, fault))
 }
 

@@ -1,8 +1,8 @@
 //! The data that the stages exchange: the trackers' readings ([`take`]), the scene ([`scene`]), the
 //! performance as the estimator sees it ([`sketch`]), the result ([`estimate`]), the checks of it
 //! ([`verification`]), doubts about it ([`doubt`]), likely mistakes in what
-//! is said of it ([`diagnosis`]), its continuation ([`settled`]) and how it ends ([`rest`]), and the
-//! observer of a run ([`observe`]).
+//! is said of it ([`diagnosis`]), its continuation ([`settled`]) and how it ends ([`rest`]), free flights in a path
+//! ([`mod@fall`]), and the observer of a run ([`observe`]).
 
 pub mod diagnosis;
 pub mod doubt;

@@ -4,7 +4,8 @@
 //! [`clean`](clean::clean) sorts the trackers' readings by stamp, leaves out unusable ones and
 //! counts them by reason, transforms poses from the tracker to the body, and matches the
 //! performer's marks to the scene's events. Its result does not depend on the order in which
-//! readings arrived. Where marks are absent, [`propose()`] finds collisions in the stream.
+//! readings arrived. Where marks are absent, [`propose()`] finds collisions in the stream,
+//! in a whole toss (`toss`) where a flight ends.
 //! [`refine()`] moves each mark to the kink of the motion near it, [`relocate_marks()`] moves marks
 //! that are far from any kink, and [`cut()`] makes the segments.
 //! [`hold()`] smooths the streams of bodies in the hand, which have no flights.

@@ -26,6 +26,8 @@ const KINK_SHARE: f64 = 0.2;
 const AFTER_SAMPLES: usize = 4;
 /// The next flight begins so many samples after an impact, or others are between.
 const BETWEEN_SAMPLES: usize = 4;
+/// A flight of fewer samples is not seen.
+const UNSEEN_SAMPLES: usize = 6;
 
 /// The flights of a toss.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,6 +108,11 @@ pub(super) fn ends_s(scene: &Scene, sketch: &Sketch) -> Option<[f64; 2]> {
         let begin_s = time_s(toss.flights[0].start);
         let end_s = match toss.flights.get(collisions) {
             Some(flight) => time_s(flight.end - 1),
+            // What follows an impact without a flight is contact: as little of it as might be one.
+            None if toss.flights.len() >= collisions.max(1) => {
+                let impact = toss.flights[collisions.max(1) - 1].end;
+                time_s((impact + UNSEEN_SAMPLES).min(track.samples.len() - 1))
+            }
             None => time_s(track.samples.len() - 1),
         };
         let [first_s, last_s] = ends.unwrap_or([begin_s, end_s]);
