@@ -1,5 +1,5 @@
 //! Drivers of the pipeline. [`replay`] plays one recording through it, event by event and, if
-//! asked to, at the pace of the performance; [`predict`] one only up to an event, [`process`] estimates many, as fast as possible. The
+//! asked to, at the pace of the performance; [`predict()`] one only up to an event, [`process`] estimates many, as fast as possible. The
 //! same recording gives the same bytes by both. `capture` runs it live. [`mark()`] proposes
 //! marks, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, `direct` sends commands to a running `capture`, [`from_urdf`] makes scenes of robots, [`calibrate()`] measures trackers and rooms and [`calibrate_scene`] puts that into scenes, [`recover_all`] recovers journals
 //! after a crash, `doctor` checks what a capture needs.
