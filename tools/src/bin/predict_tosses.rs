@@ -170,17 +170,15 @@ fn errors(cases: &[&Case], scene: &Scene, law: [f64; 2]) -> Vec<(f64, f64)> {
     errors.collect()
 }
 
-/// The least of a grid, refined thrice.
+/// The least of a grid, and of a finer one about it.
 fn fitted(cost: impl Fn([f64; 2]) -> f64) -> [f64; 2] {
-    let mut centre = [0.25, 0.22];
-    let mut span = [0.25, 0.1];
-    for round in 0..4 {
-        let mut best = (f64::INFINITY, centre);
-        for a in -2..=2 {
-            for b in -2..=2 {
+    let grid = |around: [f64; 2], steps: [f64; 2], counts: [i32; 2]| {
+        let mut best = (f64::INFINITY, around);
+        for a in -counts[0]..=counts[0] {
+            for b in -counts[1]..=counts[1] {
                 let law = [
-                    (centre[0] + span[0] * f64::from(a) / 2.0).clamp(0.0, 1.0),
-                    (centre[1] + span[1] * f64::from(b) / 2.0).max(0.01),
+                    (around[0] + steps[0] * f64::from(a)).clamp(0.0, 1.0),
+                    (around[1] + steps[1] * f64::from(b)).max(0.01),
                 ];
                 let of = cost(law);
                 if of < best.0 {
@@ -189,13 +187,13 @@ fn fitted(cost: impl Fn([f64; 2]) -> f64) -> [f64; 2] {
             }
         }
         eprintln!(
-            "round {round}: cost {:.4}, restitution and friction {:.3?}",
+            "cost {:.4}, restitution and friction {:.3?}",
             best.0, best.1
         );
-        centre = best.1;
-        span = span.map(|s| s * 0.45);
-    }
-    centre
+        best.1
+    };
+    let coarse = grid([0.2, 0.2], [0.1, 0.01], [2, 4]);
+    grid(coarse, [0.05, 0.005], [1, 2])
 }
 
 fn summary(name: &str, half: &str, law: [f64; 2], errors: &[(f64, f64)]) -> Value {
