@@ -1,12 +1,7 @@
 //! Drivers of the pipeline. [`replay`] plays one recording through it, event by event and, if
 //! asked to, at the pace of the performance; [`predict()`] one only up to an event, [`process`] estimates many, as fast as possible. The
-<<<<<<< HEAD
 //! same recording gives the same bytes by both. `capture` runs it live. [`mark()`] lists, proposes
 //! and changes marks, [`import()`] makes recordings of tables of poses, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, [`report()`] a page for people, `direct` sends commands to a running `capture`, `takes` lists what it recorded, [`from_urdf`] makes scenes of robots, [`make_scene`] of objects and meshes, [`calibrate()`] measures trackers and rooms and [`calibrate_scene`] puts that into scenes, [`recover_all`] recovers journals
-=======
-//! same recording gives the same bytes by both. `capture` runs it live. [`mark()`] proposes
-//! marks, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, `direct` sends commands to a running `capture`, [`from_urdf`] makes scenes of robots, [`calibrate()`] measures trackers and rooms and [`calibrate_scene`] puts that into scenes, [`recover_all`] recovers journals
->>>>>>> calib
 //! after a crash, `doctor` checks what a capture needs.
 //!
 //! This room has the clock, the files and the threads. Results come back as a
