@@ -149,7 +149,7 @@ pub(super) struct RawWeights {
 pub(super) struct RawBody {
     /// Its name, in reports and topics.
     pub(super) name: Text,
-    /// The topic of its tracker. Default: "/tracker/<name>/pose".
+    /// The topic of its tracker. Default: `/tracker/<name>/pose`.
     pub(super) topic: Option<Text>,
     /// Its shape; in place of it `[[body.part]]` where it has several.
     pub(super) shape: Option<Spanned<RawShape>>,
@@ -295,7 +295,7 @@ pub(super) struct RawJoint {
 pub(super) struct RawTrack {
     /// Its name, where the body has several.
     pub(super) name: Option<Text>,
-    /// Its topic. Default: "/tracker/<body>/<name>".
+    /// Its topic. Default: `/tracker/<body>/<name>`.
     pub(super) topic: Option<Text>,
     /// "pose", "point", "orientation" or "direction". Default: "pose".
     pub(super) sees: Option<Text>,
