@@ -12,11 +12,14 @@ pub(super) fn checks(said: &Said) -> String {
         None => lines.push("No independent checks were made.".to_owned()),
         Some(checked) => {
             lines.push(match &checked.deepest {
-                None => format!("No overlap beyond {}.", length(checked.tolerance_m)),
+                None => format!(
+                    "No overlap beyond {}.",
+                    escaped(&length(checked.tolerance_m))
+                ),
                 Some(deepest) => format!(
                     "<bdi>{}</bdi> is {} inside <bdi>{}</bdi> at {}.",
                     escaped(&deepest.body),
-                    length(deepest.depth_m),
+                    escaped(&length(deepest.depth_m)),
                     escaped(&deepest.against),
                     seconds(deepest.time_s)
                 ),
@@ -27,7 +30,7 @@ pub(super) fn checks(said: &Said) -> String {
                     escaped(&wrong.event),
                     escaped(wrong.found.as_deref().unwrap_or("an unnamed part")),
                     list(&wrong.expected),
-                    length(wrong.lead_m)
+                    escaped(&length(wrong.lead_m))
                 )
             }));
             if let Some(shot) = &checked.single_shot {

@@ -57,9 +57,10 @@ pub(super) fn events(said: &Said) -> String {
 }
 
 fn deviation(event: &Event) -> String {
-    let words = event
-        .time_sd_s
-        .map_or_else(|| escaped(&event.time_is), deviation_ms);
+    let words = event.time_sd_s.map_or_else(
+        || escaped(&event.time_is),
+        |sd_s| escaped(&deviation_ms(sd_s)),
+    );
     match event.time_at_bound.as_deref() {
         Some("lower") => words + ", at its earliest",
         Some(_) => words + ", at its latest",

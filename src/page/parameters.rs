@@ -72,7 +72,7 @@ pub(super) fn parameters(said: &Said) -> String {
             |sd_s| {
                 format!(
                     "<p>The duration is known to {} only.</p>",
-                    deviation_ms(sd_s)
+                    escaped(&deviation_ms(sd_s))
                 )
             },
         );

@@ -45,7 +45,7 @@ pub(super) fn facts(said: &Said) -> String {
         text,
         "<li><small>Duration</small><b>{} {}</b> <span class=\"note\">acted in {}</span></li>",
         seconds(said.physical_s),
-        sd.map_or_else(String::new, deviation_ms),
+        sd.map_or_else(String::new, |sd_s| escaped(&deviation_ms(sd_s))),
         seconds(said.acted_s)
     );
     if let Some(mm) = said.residual_mm.filter(|mm| *mm > 0.0) {
