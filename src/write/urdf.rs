@@ -272,11 +272,11 @@ mod tests {
     #[test]
     fn a_body_that_is_given_elsewhere_has_its_mass_and_shape_where_they_are() {
         let mut scene = scene();
-        let plain = robot(&scene, "map", 2.0);
+        let plain = robot(&scene, "map", &[], &[]);
         assert!(plain.contains("<inertial>\n      <mass"), "{plain}");
         // Given from 95 mm below its centre of mass.
         scene.links[LinkIndex(0)].link_from_given = Pose::translation(0.0, 0.0, -0.095);
-        let text = robot(&scene, "map", 2.0);
+        let text = robot(&scene, "map", &[], &[]);
         let of = |tag: &str| {
             let at = text
                 .find("<link name=\"pencil_estimate\">")

@@ -5,8 +5,11 @@ use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
 
 use super::{Made, Poses, Stamp, enact};
 
-/// Frames a second, and of each joint its name and six numbers a frame.
-fn parsed(bvh: &str) -> (f64, Vec<(String, Vec<[f64; 6]>)>) {
+/// The name of a joint, and its six numbers a frame.
+type Joint = (String, Vec<[f64; 6]>);
+
+/// Frames a second, and the joints.
+fn parsed(bvh: &str) -> (f64, Vec<Joint>) {
     let (tree, motion) = bvh.split_once("MOTION\n").expect("a motion");
     let words: Vec<&str> = tree.split_whitespace().collect();
     let mut names = Vec::new();
@@ -39,8 +42,7 @@ fn parsed(bvh: &str) -> (f64, Vec<(String, Vec<[f64; 6]>)>) {
         .next()
         .and_then(|line| line.strip_prefix("Frame Time: "));
     let time_s: f64 = time_s.expect("a time").parse().expect("a number");
-    let mut joints: Vec<(String, Vec<[f64; 6]>)> =
-        names.into_iter().map(|name| (name, Vec::new())).collect();
+    let mut joints: Vec<Joint> = names.into_iter().map(|name| (name, Vec::new())).collect();
     for line in lines {
         let numbers: Vec<f64> = line
             .split(' ')

@@ -38,7 +38,7 @@ fn box_glb() -> Vec<u8> {
         blob.extend((*index as u16).to_le_bytes());
     }
     let (length, count) = (blob.len(), 3 * soup.triangles.len());
-    while blob.len() % 4 != 0 {
+    while !blob.len().is_multiple_of(4) {
         blob.push(0);
     }
     let mut json = format!(

@@ -48,7 +48,7 @@ impl Writer {
     }
 
     /// A turn from this frame: world or another from body.
-    fn from_here(&self, of: UnitQuaternion<f64>) -> String {
+    fn turned_from_here(&self, of: UnitQuaternion<f64>) -> String {
         let q = of * self.given_from_own.rotation.inverse();
         list([q.w, q.i, q.j, q.k])
     }
@@ -128,7 +128,7 @@ axes = "body"
         ball.turn(identity),
         ball.direction([0.6, 0.0, 0.8]),
         brick.point([10.0, -3.0, 4.0]),
-        brick.from_here(tilt(1.0, 0.4, -0.3)),
+        brick.turned_from_here(tilt(1.0, 0.4, -0.3)),
         brick.point([100.0, -50.0, 25.0]),
         ball.direction([0.0, 0.8, 0.6]),
         brick.direction([0.0, 1.0, 0.0]),
