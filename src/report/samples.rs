@@ -50,8 +50,7 @@ pub struct SettledLine {
     pub end_s: f64,
     /// Whether everything rests there.
     pub at_rest: bool,
-    /// Whether it is a prediction; left out where it is only a way to rest.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    /// Whether it is a prediction, or only a way to rest.
     pub is_predicted: bool,
     /// Largest speed of a centre of mass on the way.
     pub largest_speed_m_s: f64,
