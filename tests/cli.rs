@@ -634,7 +634,12 @@ fn one_failure_does_not_stop_the_others() {
     assert_eq!(first["output"], "out/take.estimate.mcap");
     assert_eq!(
         second,
-        serde_json::json!({"recording": "bad.mcap", "error": "bad.mcap: the file is empty", "diagnoses": []})
+        serde_json::json!({
+            "schema": "enact.failure/1",
+            "recording": "bad.mcap",
+            "error": "bad.mcap: the file is empty",
+            "diagnoses": []
+        })
     );
     assert_eq!(third["output"], "out/last.estimate.mcap");
     // A recording of that name has that estimate, wherever it is; those of others say another name.
