@@ -69,12 +69,20 @@ pub(super) enum Command {
     /// Continue a motion from its flight until it rests, without what was seen later
     Predict(PredictArguments),
     /// Measure trackers and rooms: tip, table, noise, gravity, clocks
+    #[command(after_help = "Examples:\n\
+             \x20 enact calibrate pivot swing.mcap --feature tip -o tip.toml\n\
+             \x20 enact calibrate plane touches.mcap --tip tip.toml -o table.toml\n\
+             \x20 enact scene calibrated scene.toml tip.toml table.toml -o measured.toml")]
     Calibrate {
         /// What
         #[command(subcommand)]
         command: CalibrateCommand,
     },
     /// Make scenes, and say what they mean
+    #[command(after_help = "Examples:\n\
+             \x20 enact scene new pencil -o pencil.toml\n\
+             \x20 enact scene new mug.stl --unit mm --mass-g 320 --lands +z -o mug.toml\n\
+             \x20 enact scene check pencil.toml")]
     Scene {
         /// Of what
         #[command(subcommand)]

@@ -42,11 +42,11 @@ pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<
                     Exit::NotWhole
                 }
             }
-            Ok(Processed::Skipped { recording }) => {
+            Ok(Processed::LeftAlone { recording }) => {
                 if format == Format::Ndjson {
-                    print_skipped(&recording)?;
+                    print_left_alone(&recording)?;
                 }
-                summary.skipped(&recording);
+                summary.left_alone(&recording);
                 Exit::Done
             }
             Err(failure) => {
@@ -65,17 +65,17 @@ pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<
 }
 
 /// A recording that has an estimate: a line for machines.
-fn print_skipped(recording: &str) -> anyhow::Result<()> {
+fn print_left_alone(recording: &str) -> anyhow::Result<()> {
     #[derive(Serialize)]
-    struct SkippedLine<'a> {
+    struct LeftLine<'a> {
         recording: &'a str,
-        skipped: &'a str,
+        why: &'a str,
     }
     output::print_json(
-        "enact.skipped/1",
-        &SkippedLine {
+        "enact.left_alone/1",
+        &LeftLine {
             recording,
-            skipped: "has an estimate already",
+            why: "has an estimate already",
         },
     )
 }

@@ -10,7 +10,7 @@ pub(super) struct Summary {
     physical: usize,
     other: usize,
     failed: usize,
-    skipped: usize,
+    left_alone: usize,
 }
 
 impl Summary {
@@ -36,9 +36,9 @@ impl Summary {
         ]);
     }
 
-    pub(super) fn skipped(&mut self, recording: &str) {
-        self.skipped += 1;
-        self.without_motion(recording, "skipped", "has an estimate already");
+    pub(super) fn left_alone(&mut self, recording: &str) {
+        self.left_alone += 1;
+        self.without_motion(recording, "left alone", "has an estimate already");
     }
 
     pub(super) fn failed(&mut self, recording: &str) {
@@ -63,7 +63,7 @@ impl Summary {
             (self.physical, "physical"),
             (self.other, "not physical"),
             (self.failed, "without an estimate"),
-            (self.skipped, "skipped"),
+            (self.left_alone, "left alone"),
         ];
         let counts = counts.iter().filter(|(count, _)| *count > 0);
         let counts: Vec<String> = counts

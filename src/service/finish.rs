@@ -9,11 +9,10 @@ use super::provenance::provenance;
 use super::refusal::Refusal;
 use super::stopwatch::{Progress, Stopwatch};
 use crate::config::scene_from_toml;
-use crate::ingest::{Recording, SCENE_NAME, TakeReport, listed};
+use crate::ingest::{Recording, SCENE_NAME, TakeReport, is_pipe, listed};
 use crate::motion::{Phase, Scene};
 use crate::pipeline::{Outcome, Pipeline};
 use crate::report::{Circumstances, RecordingReport, Reported};
-use crate::wire::is_pipe;
 use crate::write::atomic::target_of;
 use crate::write::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, write_estimate};
 

@@ -42,8 +42,8 @@ mod stopwatch;
 mod takes;
 mod words;
 
+pub use crate::ingest::is_pipe;
 pub use crate::page::View;
-pub use crate::wire::is_pipe;
 pub use crate::write::remove_unfinished;
 pub use calibrate::{
     CalibrateChoice, CalibrateJob, CalibrateKind, CalibrateSceneJob, Calibrated, SceneCalibrated,

@@ -39,7 +39,7 @@ pub enum Processed {
     /// It was estimated.
     Estimated(Box<RecordingReport>),
     /// It holds an estimate already: an output among the inputs.
-    Skipped {
+    LeftAlone {
         /// The file.
         recording: String,
     },
@@ -129,7 +129,7 @@ fn one(job: &ProcessJob, input: &Path, output: &Path) -> Result<Processed, Failu
     let deadline = Deadline::begin(job.deadline);
     let estimate = |recording: Recording| {
         if has_estimate(recording.container()) {
-            return Ok(Processed::Skipped { recording: name() });
+            return Ok(Processed::LeftAlone { recording: name() });
         }
         let opened = opened(recording, job.scene.as_deref(), deadline)?;
         let take = opened.recording.take(&opened.scene)?;

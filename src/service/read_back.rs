@@ -11,7 +11,6 @@ use crate::config::scene_from_toml;
 use crate::ingest::Recording;
 use crate::motion::Scene;
 use crate::report::ExportProvenance;
-use crate::wire::Container;
 use crate::write::export::{WrittenMotion, scene_of_estimate};
 
 /// A recording with an estimate.
@@ -65,11 +64,6 @@ impl ReadBack {
             verdict: self.motion.verdict.clone(),
             estimate: self.motion.provenance.clone(),
         }
-    }
-
-    /// The file itself.
-    pub(super) fn container(&self) -> &Container {
-        self.recording.container()
     }
 
     /// What of the file could not be read.

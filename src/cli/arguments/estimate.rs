@@ -72,6 +72,9 @@ pub(in crate::cli) struct ProcessArguments {
 
 /// Arguments of `predict`.
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:\n\
+             \x20 enact predict take.mcap\n\
+             \x20 enact predict take.mcap --until bounce --limit 3 -o predicted.mcap")]
 pub(in crate::cli) struct PredictArguments {
     /// The recording, an MCAP file
     #[arg(value_name = "IN")]

@@ -49,7 +49,7 @@ pub(super) fn files(
             vec![(String::new(), text.into_bytes())]
         }
         ExportFormat::Ros2 => {
-            let bytes = ros2(&job.input, read.container(), provenance)?;
+            let bytes = ros2(&job.input, read.recording.container(), provenance)?;
             vec![(String::new(), bytes)]
         }
     };
