@@ -14,7 +14,9 @@ use clap::{ArgAction, Parser, Subcommand};
 
 pub(super) use calibrate::{CalibrateCommand, Common, SceneCalibratedArguments};
 pub(super) use estimate::{Free, PredictArguments, ProcessArguments, ReplayArguments};
-pub(super) use live::{CaptureArguments, DoctorArguments, RecoverArguments, TakeArguments, Wanted};
+#[cfg(feature = "live")]
+pub(super) use live::Wanted;
+pub(super) use live::{CaptureArguments, DoctorArguments, RecoverArguments, TakeArguments};
 pub(super) use output::{ExportArguments, ReportArguments, Seen, Target};
 pub(super) use recording::{
     ImportArguments, InspectArguments, MarkArguments, Order, Rotation, SketchArguments,

@@ -4,6 +4,7 @@
 
 mod desk;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use enact::ingest::Recording;
@@ -24,14 +25,20 @@ fuzz_target!(|bytes: &[u8]| {
         event: None,
     };
     let marks = [(Stamp(7), mark)];
-    if write_marks(&output, recording.container(), &input, "/marks", &marks).is_ok() {
+    let (container, none) = (recording.container(), BTreeSet::new());
+    if write_marks(&output, container, &input, "/marks", &marks, none).is_ok() {
         let written = std::fs::read(&output).expect("written");
         let written = Container::new(written).expect("MCAP");
         assert!(!written.damages().is_loss(), "{:?}", written.damages());
         let before = recording.container().message_count();
         assert!(written.message_count() >= before.min(1), "{before}");
     }
-    for format in [ExportFormat::Glb, ExportFormat::Csv, ExportFormat::Tum] {
+    for format in [
+        ExportFormat::Glb,
+        ExportFormat::Csv,
+        ExportFormat::Tum,
+        ExportFormat::Ros2,
+    ] {
         let job = ExportJob {
             input: input.clone(),
             to: ExportTo::File(Path::new(&input).with_file_name("out")),

@@ -21,7 +21,7 @@ static SCENE: LazyLock<PathBuf> = LazyLock::new(|| {
 
 fuzz_target!(|bytes: &[u8]| {
     let input = desk::file("in.mcap", bytes);
-    let _ = std::hint::black_box(inspect(&input, None));
+    let _ = std::hint::black_box(inspect(&input, None, None));
     for scene in [None, Some(SCENE.clone())] {
         let output = input.with_file_name("out.mcap");
         let job = ReplayJob {
