@@ -21,8 +21,8 @@ keys = defaultdict(list)
 with open(table) as rows:
     for row in csv.DictReader(line for line in rows if not line.startswith("#")):
         frame = float(row["t_s"]) * fps
-        # A BVH has frames alone.
-        if abs(frame - round(frame)) > 1e-6 * fps:
+        # A BVH has frames alone, and no performance.
+        if row["motion"] == "acted" or abs(frame - round(frame)) > 1e-6 * fps:
             continue
         place = Vector([float(row[c]) for c in ("x_m", "y_m", "z_m")])
         turn = Quaternion([float(row[c]) for c in ("qw", "qx", "qy", "qz")])
