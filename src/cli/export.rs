@@ -16,6 +16,7 @@ pub(super) fn run(arguments: ExportArguments) -> anyhow::Result<Exit> {
         Some(path) => ExportTo::File(path),
     };
     let is_piped = to == ExportTo::Caller;
+    let format = arguments.format.of_failure(is_piped);
     let job = ExportJob {
         input: arguments.input,
         to,
@@ -33,23 +34,14 @@ pub(super) fn run(arguments: ExportArguments) -> anyhow::Result<Exit> {
     let exported = match service::export(&job) {
         Ok(exported) => exported,
         Err(error) => {
-            // A pipe carries the motion or nothing.
-            let format = if is_piped {
-                Format::Text
-            } else {
-                arguments.format
-            };
             print_failure(&input, &error, format)?;
             return Ok(Exit::Error);
         }
     };
     if is_piped {
-        output::print_bytes(&exported.bytes)?;
-        for note in exported.lost.iter().chain(&exported.warnings) {
-            output::print_note(note);
-        }
+        output::pipe(&exported.bytes, &exported.lost, &exported.warnings)?;
     } else {
-        match arguments.format {
+        match format {
             Format::Ndjson => output::print_json("enact.export/1", &exported)?,
             Format::Text => output::print(&text(&exported))?,
         }

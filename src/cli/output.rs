@@ -37,6 +37,15 @@ pub(super) fn push_notes(text: &mut String, lost: &[String], warnings: &[String]
     }
 }
 
+/// [`print_bytes`] of a file on stdout, and on stderr what is said of it elsewhere.
+pub(super) fn pipe(bytes: &[u8], lost: &[String], warnings: &[String]) -> io::Result<()> {
+    print_bytes(bytes)?;
+    lost.iter()
+        .chain(warnings)
+        .for_each(|note| print_note(note));
+    Ok(())
+}
+
 /// Writes one JSON object on a line of its own, the name and version of its schema first: `docs/ndjson.md` has them.
 pub(super) fn print_json(schema: &str, value: &impl Serialize) -> anyhow::Result<()> {
     Ok(print(&json_line(schema, value)?)?)

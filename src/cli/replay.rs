@@ -25,12 +25,7 @@ pub(super) fn run(arguments: ReplayArguments, verbose: bool) -> anyhow::Result<E
     let report = match service::replay(&job) {
         Ok(report) => report,
         Err(error) => {
-            let format = if is_piped {
-                Format::Text
-            } else {
-                arguments.format
-            };
-            print_failure(&recording, &error, format)?;
+            print_failure(&recording, &error, arguments.format.of_failure(is_piped))?;
             return Ok(Exit::Error);
         }
     };

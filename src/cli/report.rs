@@ -19,6 +19,7 @@ pub(super) fn run(arguments: ReportArguments) -> anyhow::Result<Exit> {
     };
     let is_caller = |to: &Destination| *to == Destination::Caller;
     let is_piped = page.iter().chain(&picture).any(is_caller);
+    let format = arguments.format.of_failure(is_piped);
     let job = ReportJob {
         input: arguments.input,
         page,
@@ -28,23 +29,14 @@ pub(super) fn run(arguments: ReportArguments) -> anyhow::Result<Exit> {
     let made = match service::report(&job) {
         Ok(made) => made,
         Err(error) => {
-            // A pipe carries the file or nothing.
-            let format = if is_piped {
-                Format::Text
-            } else {
-                arguments.format
-            };
             print_failure(&input, &error, format)?;
             return Ok(Exit::Error);
         }
     };
     if is_piped {
-        output::print_bytes(&made.bytes)?;
-        for note in made.lost.iter().chain(&made.warnings) {
-            output::print_note(note);
-        }
+        output::pipe(&made.bytes, &made.lost, &made.warnings)?;
     } else {
-        match arguments.format {
+        match format {
             Format::Ndjson => output::print_json("enact.page/1", &made)?,
             Format::Text => output::print(&text(&made))?,
         }
