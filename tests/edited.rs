@@ -245,7 +245,7 @@ fn finished(scene: &Scene, events: &[TakeEvent]) -> Result<Sketch, PipelineError
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
     fn any_segments_in_any_order_give_an_estimate_or_an_error(

@@ -530,7 +530,7 @@ fn deep_and_odd_files_are_refused_without_harm() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(11), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(400))]
 
     /// Damaged descriptions: never a panic, and what is written is read again.
     #[test]

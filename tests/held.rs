@@ -363,7 +363,7 @@ fn a_hand_that_was_not_seen_is_an_error_that_says_where() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 12, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(12))]
 
     /// Whatever is missing or broken of the hand's stream, there is an error or a finite motion.
     #[test]

@@ -183,11 +183,7 @@ fn blow() -> impl Strategy<Value = Blow> {
 }
 
 fn runner(cases: u32, seed: u8) -> TestRunner {
-    let config = Config {
-        cases,
-        failure_persistence: None,
-        ..Config::default()
-    };
+    let config = Config::with_cases(cases);
     let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &[seed; 32]);
     TestRunner::new_with_rng(config, rng)
 }

@@ -452,7 +452,7 @@ fn keyframe() -> impl Strategy<Value = Keyframe> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(7), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(256))]
 
     #[test]
     fn rows_are_the_same_after_writing_and_reading(

@@ -312,8 +312,6 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
-
         #[test]
         fn any_path_is_answered_with_stretches_in_order(
             steps in prop::collection::vec((0.0..0.02, prop::array::uniform3(-1.0..1.0)), 0..120),

@@ -188,7 +188,7 @@ fn put(value: &mut serde_json::Value, way: &[usize], new: serde_json::Value) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 128, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(128))]
 
     #[test]
     fn whatever_a_report_says_its_page_is_well_made(

@@ -95,11 +95,7 @@ mod tests {
 
     #[test]
     fn any_text_becomes_one_line_that_prints_and_json_says_the_same() {
-        let config = Config {
-            cases: 2000,
-            failure_persistence: None,
-            ..Config::default()
-        };
+        let config = Config::with_cases(2000);
         let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &[3; 32]);
         let texts = prop_oneof![
             any::<String>(),

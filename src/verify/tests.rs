@@ -166,7 +166,7 @@ fn a_flight_through_a_thin_wall_and_through_another_body_is_found() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(48))]
 
     /// Compares with ten thousand distance queries on each flight of a spinning pencil over a table
     /// and a post.

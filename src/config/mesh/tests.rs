@@ -106,16 +106,21 @@ fn what_is_no_solid_is_refused_with_what_to_do() {
     let gltf = br#"{"asset":{"version":"2.0"}}"#;
     assert!(said(gltf, MeshFormat::Glb).contains("export it as .glb"));
     assert!(said(b"glTF", MeshFormat::Glb).contains("cannot be read as glTF"));
-    // More indices than there are bytes.
-    let mut bytes = box_glb();
-    let count = br#""count":36"#;
-    let at = bytes.windows(count.len()).position(|of| of == count);
-    let at = at.expect("the indices' accessor");
-    bytes[at + 8] = b'9';
-    let said = mesh(&bytes, MeshFormat::Glb, 1.0, false)
-        .unwrap_err()
-        .to_string();
-    assert!(said.contains("beyond the end"), "{said}");
+    // One digit of the JSON changed: a number of what is not there, or more of it than there is.
+    for (of, digit, expected) in [
+        (r#""count":3"#, b'9', "beyond the end"),
+        (r#""POSITION":0"#, b'9', "corners are not in the file"),
+        (r#""indices":1"#, b'9', "indices"),
+        (r#""bufferView":0"#, b'9', "bufferView"),
+        (r#""scene":0"#, b'9', "scene"),
+        (r#""mesh":0"#, b'9', "mesh"),
+    ] {
+        let mut bytes = box_glb();
+        let at = bytes.windows(of.len()).position(|own| own == of.as_bytes());
+        bytes[at.expect(of) + of.len() - 1] = digit;
+        let said = said(&bytes, MeshFormat::Glb);
+        assert!(said.contains(expected), "{of}: {said}");
+    }
 }
 
 proptest! {

@@ -80,8 +80,6 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
-
         #[test]
         fn nanoseconds_of_seconds_are_read_again(ns in any::<i64>()) {
             let sign = if ns < 0 { "-" } else { "" };

@@ -305,8 +305,6 @@ fn a_last_line_that_is_cut_off_is_lost_and_said() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
-
     #[test]
     fn any_text_is_answered(
         head in prop::sample::select(vec!["", MOTIVE, VICON, "t,x,y,z,qx,qy,qz,qw\n"]),

@@ -420,8 +420,6 @@ fn the_ball_about_the_origin_holds_the_shape() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
-
     #[test]
     fn any_points_make_a_hull_or_an_error(
         points in prop::collection::vec(

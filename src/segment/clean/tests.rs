@@ -501,8 +501,6 @@ fn any_reading() -> impl Strategy<Value = TakeEvent> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
-
     #[test]
     fn the_sketch_does_not_depend_on_the_order_of_arrival(
         (take, shuffled) in prop::collection::vec(any_reading(), 0..120)

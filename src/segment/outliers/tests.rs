@@ -214,8 +214,6 @@ fn a_sixth_of_jumps_is_found_and_one_of_two_readings_is_a_strange_stream() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
-
     #[test]
     fn any_stream_is_judged_and_most_of_it_kept(
         readings in prop::collection::vec(

@@ -195,8 +195,6 @@ fn what_does_not_fit_is_not_proposed() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
-
     #[test]
     fn any_stream_gives_proposals_in_order(
         readings in prop::collection::vec(
