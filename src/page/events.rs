@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use super::markup::table;
+use super::markup::{shown_in, table};
 use super::said::{Event, Said};
 use super::svg::escaped;
-use crate::report::units::{angle, deviation_ms, for_people, length, seconds};
+use crate::report::units::{angle, deviation_ms, length, seconds};
 
 /// Events with their times and gaps, and goals.
 pub(super) fn events(said: &Said) -> String {
@@ -76,7 +76,7 @@ fn gaps(gaps: [Option<String>; 2]) -> String {
 fn goals(said: &Said) -> String {
     let mut rows = String::new();
     for goal in &said.goals {
-        let (factor, unit) = for_people(&goal.unit);
+        let (factor, unit) = shown_in(&goal.unit);
         let off = match (goal.is_met, goal.distance) {
             (true, _) if goal.binds => "met, and binds".to_owned(),
             (true, _) => "met".to_owned(),

@@ -1,6 +1,7 @@
 //! Pieces of HTML that parts of a page share.
 
 use super::svg::escaped;
+use crate::report::units::for_people;
 
 /// A table; columns whose name ends with `*` are numbers.
 pub(super) fn table(columns: &[&str], rows: &str) -> String {
@@ -20,4 +21,10 @@ pub(super) fn list(names: &[String]) -> String {
         .iter()
         .map(|name| format!("<bdi>{}</bdi>", escaped(name)));
     names.collect::<Vec<_>>().join(", ")
+}
+
+/// The unit in which people read values in a unit that a report names, as markup, and how many of it are one.
+pub(super) fn shown_in(unit: &str) -> (f64, String) {
+    let (factor, unit) = for_people(unit);
+    (factor, escaped(unit))
 }

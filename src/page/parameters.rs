@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::markup::{list, table};
+use super::markup::{list, shown_in, table};
 use super::said::{Parameter, Said};
 use super::svg::{escaped, px};
 use crate::report::units::{bound, decimals, deviation_ms, for_people};
@@ -14,7 +14,7 @@ const INTERVAL: f64 = 1.96;
 pub(super) fn parameters(said: &Said) -> String {
     let mut rows = String::new();
     for (name, of) in &said.parameters {
-        let (factor, unit) = for_people(&of.unit);
+        let (factor, unit) = shown_in(&of.unit);
         let digits = decimals(of.sd.map(|sd| sd * factor));
         let value = of
             .value

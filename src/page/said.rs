@@ -5,8 +5,8 @@
 use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, Visitor};
 
+use super::markup::shown_in;
 use super::svg::escaped;
-use crate::report::units::for_people;
 
 /// What an estimate says of itself; see [`EstimateMessage`](crate::report::EstimateMessage) for what is what.
 #[derive(Debug, Default, Deserialize)]
@@ -248,7 +248,7 @@ pub(super) struct BodyTimes {
 impl Suspect {
     /// Names and likely values, as HTML.
     pub(super) fn words(&self) -> String {
-        let (factor, unit) = for_people(&self.unit);
+        let (factor, unit) = shown_in(&self.unit);
         let values = self.quantities.iter().map(|(name, value)| {
             let value = value.map_or("?".to_owned(), |value| format!("{:.3}", value * factor));
             let words = format!("{} {value} {unit}", escaped(name));

@@ -154,6 +154,49 @@ fn many_flights_and_events_are_not_left_out_in_silence() {
     assert_eq!(page.matches("class=\"card\"").count(), 24);
 }
 
+/// What would end its place in any markup that does not escape it.
+const HOSTILE: &str = "<script>\"&'</svg>";
+
+/// The pointers to all that has nothing below it.
+fn leaves(value: &serde_json::Value, pointer: String, all: &mut Vec<String>) {
+    let mut below = |name: &str, value| leaves(value, format!("{pointer}/{name}"), all);
+    match value {
+        serde_json::Value::Object(fields) => {
+            for (name, value) in fields {
+                below(name, value);
+            }
+        }
+        serde_json::Value::Array(items) => {
+            for (at, value) in items.iter().enumerate() {
+                below(&at.to_string(), value);
+            }
+        }
+        _ => all.push(pointer),
+    }
+}
+
+#[test]
+fn every_word_of_a_report_is_escaped() {
+    let (scene, mut motion) = motion();
+    let report: serde_json::Value = serde_json::from_slice(&motion.report).expect("JSON");
+    let mut all = Vec::new();
+    leaves(&report, String::new(), &mut all);
+    let mut shown = 0;
+    for pointer in &all {
+        let mut report = report.clone();
+        *report.pointer_mut(pointer).expect("it is there") = HOSTILE.into();
+        motion.report = serde_json::to_vec(&report).expect("JSON");
+        // A word where a number is asked for is refused.
+        let Ok(page) = page_of(&scene, &motion) else {
+            continue;
+        };
+        assert_well_made(&page);
+        assert!(!page.contains("<script>"), "{pointer}");
+        shown += usize::from(page.contains("&lt;script&gt;"));
+    }
+    assert!(shown >= 15, "{shown} of {} are on the page", all.len());
+}
+
 /// A tree of JSON with all kinds of leaves in the places of a report.
 fn leaf() -> impl Strategy<Value = serde_json::Value> {
     prop_oneof![
@@ -162,7 +205,7 @@ fn leaf() -> impl Strategy<Value = serde_json::Value> {
         any::<i64>().prop_map(|number| serde_json::json!(number)),
         "\\PC{0,12}".prop_map(serde_json::Value::String),
         Just(serde_json::json!([])),
-        Just(serde_json::json!("<script>\"&'</svg>")),
+        Just(serde_json::json!(HOSTILE)),
     ]
 }
 
