@@ -14,6 +14,7 @@ pub use self::keyframes::Density;
 use self::keyframes::Motion;
 use self::places::placed;
 use super::finish::{check_distinct, lost, open, warnings};
+use super::working::Working;
 use crate::config::{scene_from_toml, sketch_from_csv, sketch_from_toml};
 use crate::ingest::SCENE_NAME;
 use crate::motion::{Scene, SketchRow, Stamp};
@@ -98,6 +99,7 @@ pub fn sketch(job: &SketchJob) -> anyhow::Result<Sketched> {
             output.display()
         );
     }
+    let _working = Working::begin("sketching");
     if from == Kind::Recording {
         read(job, &output, to)
     } else {
