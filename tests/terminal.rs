@@ -105,7 +105,7 @@ fn seen(arguments: &[&str], input: &[u8]) -> Seen {
         .spawn()
         .expect("it runs");
     let mut all = Vec::new();
-    let is_said = |all: &[u8]| String::from_utf8_lossy(all).contains("1s ");
+    let is_said = |all: &[u8]| String::from_utf8_lossy(all).contains("00:00:01 ");
     while !is_said(&all) {
         let piece = pieces.recv_timeout(LONG);
         all.extend(piece.unwrap_or_else(|error| panic!("{arguments:?}: {error}, {all:?}")));
@@ -171,7 +171,7 @@ fn jobs_over_a_second_say_what_they_do_and_leave_no_trace() {
         (
             vec!["sketch", &input, "--estimated", "-o", &at("s.csv")],
             &acted,
-            "sketching",
+            "reading",
             "written",
         ),
         (
@@ -214,13 +214,13 @@ fn jobs_over_a_second_say_what_they_do_and_leave_no_trace() {
         );
         assert_eq!(seen.screen.line, "", "{arguments:?}");
         let left = seen.screen.lines.iter();
-        let left: Vec<_> = left.filter(|line| line.contains("1s ")).collect();
+        let left: Vec<_> = left.filter(|line| line.contains("00:00:01 ")).collect();
         assert!(left.is_empty(), "{arguments:?}: {left:?}");
         assert!(
             seen.stdout.contains(written),
             "{arguments:?}: {}",
             seen.stdout
         );
-        assert!(!seen.stdout.contains("1s "), "{}", seen.stdout);
+        assert!(!seen.stdout.contains("00:00:01 "), "{}", seen.stdout);
     }
 }

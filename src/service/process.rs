@@ -75,7 +75,6 @@ pub fn process(
                 .zip(&outputs)
                 .enumerate()
                 .for_each_with(sender, |sender, (index, (input, output))| {
-                    working.now(input.display().to_string());
                     let result = one(job, input, output);
                     working.done();
                     // A receiver that has gone away has failed and reports the reason itself.
@@ -84,12 +83,20 @@ pub fn process(
         });
         let mut waiting = BTreeMap::new();
         let mut next = 0;
+        // Several go on at once: it says the first that is not done.
+        let waits_for = |next: usize| {
+            if let Some(input) = job.inputs.get(next) {
+                working.now(input.display().to_string());
+            }
+        };
+        waits_for(next);
         for (index, result) in results {
             waiting.insert(index, result);
             while let Some(result) = waiting.remove(&next) {
                 working.around(|| each(result))?;
                 next += 1;
             }
+            waits_for(next);
         }
         Ok(())
     })

@@ -99,9 +99,9 @@ pub fn sketch(job: &SketchJob) -> anyhow::Result<Sketched> {
             output.display()
         );
     }
-    let _working = Working::begin("sketching");
+    let working = Working::begin("reading");
     if from == Kind::Recording {
-        read(job, &output, to)
+        read(job, &output, to, &working)
     } else {
         write(job, &output, from)
     }
@@ -171,7 +171,7 @@ fn write(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched>
 }
 
 /// A recording becomes a written sketch.
-fn read(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched> {
+fn read(job: &SketchJob, output: &Path, kind: Kind, working: &Working) -> anyhow::Result<Sketched> {
     let opened = open(&job.input, job.scene.as_deref())?;
     let scene = &opened.scene;
     let written = opened.recording.sketch(scene)?;
@@ -183,7 +183,7 @@ fn read(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched> 
             let take = opened.recording.take(scene)?;
             let mut notes = (lost(&take.report), warnings(&take.report));
             let motion = if job.is_estimated {
-                let (motion, note) = Motion::estimated(scene, take.events)
+                let (motion, note) = Motion::estimated(scene, take.events, working)
                     .with_context(|| job.input.display().to_string())?;
                 notes.1.extend(note);
                 motion

@@ -20,14 +20,14 @@ pub(super) struct Working {
 impl Working {
     /// One that goes to stderr, if that is a terminal.
     pub(super) fn begin(doing: &'static str) -> Self {
-        Self::with(None, "{spinner} {elapsed} {wide_msg}", doing)
+        Self::with(None, "{spinner} {elapsed_precise} {wide_msg}", doing)
     }
 
     /// The same, of so many jobs: [`Working::done`] counts them.
     pub(super) fn of(jobs: usize) -> Self {
         Self::with(
             Some(jobs as u64),
-            "{bar:30} {pos}/{len} {elapsed} {wide_msg}",
+            "{bar:30} {pos}/{len} {elapsed_precise} {wide_msg}",
             "",
         )
     }
