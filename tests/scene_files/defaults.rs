@@ -11,6 +11,7 @@ use super::root;
 /// A scene with a place for a key of each kind of table, `# <table>`, once.
 const SCENE: &str = r##"
 name = "things"
+settle_s = 5
 # top
 [timing]
 stamps = "tempo"
@@ -58,7 +59,12 @@ name = "bounce"
 kind = "collision"
 body = "cube"
 surface = "table"
-# [[event]]
+[[event]]
+name = "again"
+kind = "collision"
+body = "cube"
+surface = "table"
+# again
 [[event]]
 name = "through"
 kind = "waypoint"
@@ -163,7 +169,7 @@ const KEYS: &[(&str, &str, Option<&str>, &str, &str)] = &[
     ("[capture]", "listen", None, "\"0.0.0.0\"", "[capture]"),
     ("[capture]", "pre_roll_s", None, "2", "[capture]"),
     ("[capture]", "sync_ms", None, "500", "[capture]"),
-    ("[[event]]", "count", None, "[1, 2]", "[[event]]"),
+    ("[[event]]", "count", None, "[1, 2]", "again"),
     ("[[event]]", "time_sd_ms", Some("50"), "60", "waypoint"),
     ("[[goal]]", "after", None, "true", "spin"),
     ("[[goal]]", "at_rest", None, "true", "velocity"),
@@ -223,8 +229,8 @@ fn said() -> Vec<(String, String, String)> {
     rows
 }
 
-/// The scene with a line at a place.
-fn meant(place: &str, line: &str) -> (Scene, CaptureSettings) {
+/// The scene with a line at a place, or why there is none.
+fn meant(place: &str, line: &str) -> Result<(Scene, CaptureSettings), String> {
     let at = format!("# {place}\n");
     assert_eq!(SCENE.matches(&at).count(), 1, "{place}");
     let inline = ["shape = { … }", "tracker = { … }"];
@@ -241,7 +247,7 @@ fn meant(place: &str, line: &str) -> (Scene, CaptureSettings) {
     for other in inline {
         text = text.replace(&format!("# {other}\n"), "");
     }
-    capture_from_toml(&text).unwrap_or_else(|error| panic!("{place}, {line}: {error}\n{text}"))
+    capture_from_toml(&text).map_err(|error| format!("{error}\n{text}"))
 }
 
 #[test]
@@ -272,6 +278,7 @@ fn a_scene_without_a_key_means_what_the_reference_says_it_does() {
         );
         let default = in_words.unwrap_or(default);
         let without = meant(place, "");
+        assert!(without.is_ok(), "{without:?}");
         assert_eq!(
             meant(place, &format!("{key} = {default}")),
             without,
