@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use enact::config::scene_from_toml;
 use enact::motion::{
@@ -13,6 +14,7 @@ use enact::motion::{
 use enact::physics::tree::Snapshot;
 use enact::pipeline::{Outcome, Pipeline};
 use enact::report::Reported;
+use enact::wire::encode::{JointState, Transform};
 use enact::wire::ros2::{self, RosMessage};
 use enact::wire::{Container, PoseFormat};
 use enact::write::topics::{self, estimate_frame};
@@ -265,6 +267,10 @@ fn read(path: &Path) -> Said {
         transforms: BTreeMap::new(),
         bodies: BTreeMap::new(),
     };
+    let is_ours = |topic: &str| {
+        let of = container.channels().values().find(|of| of.topic == topic);
+        of.is_some_and(|of| of.metadata.contains_key("enact"))
+    };
     let mut walk = container.walk();
     while let Some(message) = walk.next_message() {
         let channel = &container.channels()[&message.channel_id];
@@ -294,7 +300,7 @@ fn read(path: &Path) -> Said {
                     &rates.collect::<Vec<_>>(),
                 );
             }
-            ("sensor_msgs/msg/JointState", _) => {
+            ("sensor_msgs/msg/JointState", topic) if is_ours(topic) => {
                 let (((sec, nanosec), _), names, angles, rates, efforts): RosJointState =
                     cdr::deserialize(message.data).expect("joints");
                 assert!(efforts.is_empty() && [0, names.len()].contains(&rates.len()));
@@ -302,11 +308,11 @@ fn read(path: &Path) -> Said {
                 let rates = (0..names.len()).map(|k| rates.get(k).copied());
                 joints(stamp, names, &angles, &rates.collect::<Vec<_>>());
             }
-            (_, topics::ROBOT_DESCRIPTION) => {
+            (_, topic) if topic.ends_with(topics::ROBOT_DESCRIPTION) && is_ours(topic) => {
                 let text: String = cdr::deserialize(message.data).expect("text");
                 said.robot = Some(Robot::read(&text));
             }
-            (name, topic) if topic == "/tf" || topic.starts_with("/estimate/") => {
+            (name, topic) if is_ours(topic) && !topic.starts_with("/sketch") => {
                 let Some(format) = PoseFormat::of(name, &channel.message_encoding) else {
                     continue;
                 };
@@ -316,7 +322,7 @@ fn read(path: &Path) -> Said {
                     let stamp = of.stamp.expect("stamped");
                     let sample = PoseSample::new(stamp, of.position_m, of.quaternion_xyzw);
                     let pose = pose_of(&sample);
-                    if topic == "/tf" {
+                    if topic.ends_with("/tf") {
                         let all = said.transforms.entry(stamp).or_default();
                         all.push((of.parent, of.child, pose));
                     } else {
@@ -542,7 +548,14 @@ fn angles_of_what_is_simulated_go_on_from_those_of_the_estimate() {
     }
 }
 
-/// The chain of the repository as ROS 2 would have recorded it.
+/// What the recording itself has where viewers of ROS 2 look.
+const OWN: [&str; 3] = [
+    topics::TRANSFORMS,
+    topics::ROBOT_DESCRIPTION,
+    topics::ROS_JOINTS,
+];
+
+/// The chain of the repository as ROS 2 would have recorded it, with transforms, a robot and joints of its own.
 fn ros_2_chain(path: &Path) {
     let (_, chain) = trees::kept();
     let mut bytes = std::io::Cursor::new(Vec::new());
@@ -561,6 +574,45 @@ fn ros_2_chain(path: &Path) {
     let topic = &chain.scene.tracks.first().expect("a track").topic;
     let poses = channel(topic, RosMessage::PoseStamped);
     let marks = channel(&chain.scene.marks_topic, RosMessage::Header);
+    let own = OWN.map(|topic| {
+        let kind = match topic {
+            topics::TRANSFORMS => RosMessage::TfMessage,
+            topics::ROS_JOINTS => RosMessage::JointState,
+            _ => RosMessage::String,
+        };
+        (kind, channel(topic, kind))
+    });
+    let first = chain.events.iter().find_map(|event| match event {
+        TakeEvent::Pose { sample, .. } => Some(*sample),
+        TakeEvent::Mark(_) => None,
+    });
+    let first = first.expect("a pose");
+    for (kind, channel_id) in own {
+        let data = match kind {
+            RosMessage::TfMessage => ros2::tf_message(&[Transform {
+                parent: "map",
+                child: "camera",
+                sample: first,
+            }]),
+            RosMessage::JointState => ros2::joint_state(
+                first.stamp,
+                &[JointState {
+                    name: "pan",
+                    angle_rad: 0.5,
+                    rate_rad_s: None,
+                }],
+            ),
+            _ => Ok(ros2::string("<robot name=\"camera\"/>")),
+        };
+        let header = MessageHeader {
+            channel_id,
+            sequence: 0,
+            log_time: first.stamp.0 as u64,
+            publish_time: first.stamp.0 as u64,
+        };
+        let written = writer.write_to_known_channel(&header, &data.expect("a message"));
+        written.expect("write");
+    }
     for event in &chain.events {
         let (channel_id, stamp, data) = match event {
             TakeEvent::Pose { sample, .. } => {
@@ -588,6 +640,49 @@ fn ros_2_chain(path: &Path) {
     fs::write(path, bytes.into_inner()).expect("write");
 }
 
+/// The export for ROS 2 has the robot of the estimate where RViz looks for one, kept for who comes later, and nothing
+/// else there.
+fn assert_opens_in_rviz(estimate: &Path, expected: &Said) {
+    let export = estimate.with_extension("ros2.mcap");
+    let ran = Command::new(ENACT.0)
+        .args(["export", "--to", "ros2", "-o"])
+        .args([&export, estimate])
+        .output();
+    let ran = ran.expect("it runs");
+    assert!(ran.status.success(), "{ran:?}");
+    let said = read(&export);
+    assert_eq!(said.topic, topics::ROS_JOINTS);
+    assert_eq!(said.joints, expected.joints);
+    assert_eq!(said.transforms, expected.transforms);
+    assert_eq!(
+        said.robot().said.links.len(),
+        expected.robot().said.links.len()
+    );
+    for of in said.transforms.values().flatten() {
+        let is_ours = |name: &str| name.ends_with("_estimate") || name.ends_with("_sketch");
+        let is_link = said.robot().said.links.iter().any(|link| link.name == of.1);
+        assert!(is_link || is_ours(&of.1), "{}", of.1);
+    }
+    let container = Container::new(fs::read(&export).expect("read")).expect("MCAP");
+    for topic in OWN {
+        let channels = container.channels().values();
+        let of: Vec<_> = channels.filter(|channel| channel.topic == topic).collect();
+        assert_eq!(of.len(), 1, "{topic}");
+        let offered = &of[0].metadata["offered_qos_profiles"];
+        // 1: transient local, 2: volatile.
+        let durability = match topic {
+            topics::ROBOT_DESCRIPTION => 1,
+            _ => 2,
+        };
+        assert!(
+            offered.contains(&format!("\n  durability: {durability}\n")),
+            "{offered}"
+        );
+    }
+    let mut channels = container.channels().values();
+    assert!(channels.all(|of| !of.topic.starts_with("/estimate/tf")));
+}
+
 /// The chain through the program, from both kinds of recordings: one robot, whose joints are those of the scene.
 #[test]
 fn the_chain_comes_out_as_one_robot() {
@@ -601,7 +696,7 @@ fn the_chain_comes_out_as_one_robot() {
     ros_2_chain(&ros);
     let scene = root.join("config/chain.toml");
     let options = ["--scene", scene.to_str().expect("UTF-8")];
-    for (recording, topic) in [(&plain, topics::JOINTS), (&ros, topics::ROS_JOINTS)] {
+    for (recording, topic) in [(&plain, topics::JOINTS), (&ros, "/estimate/joint_states")] {
         let replayed = ENACT.report(recording, &options);
         assert_eq!(replayed.said["verdict"], "physical", "{}", replayed.said);
         let said = read(&replayed.output);
@@ -618,5 +713,6 @@ fn the_chain_comes_out_as_one_robot() {
             let off_rad = first[name].0 - asked_deg.to_radians();
             assert!(off_rad.abs() < 1e-4, "{name}: {off_rad}");
         }
+        assert_opens_in_rviz(&replayed.output, &said);
     }
 }

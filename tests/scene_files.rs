@@ -6,9 +6,14 @@ use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
 use boon::{Compiler, SchemaIndex, Schemas};
-use enact::config::{PRESETS, scene_from_toml};
+use enact::config::{MATERIALS, PRESETS, scene_from_toml};
 use enact::motion::LinkIndex;
 use serde_json::{Value, json};
+
+#[path = "scene_files/defaults.rs"]
+mod defaults;
+#[path = "scene_files/presets.rs"]
+mod presets;
 
 fn enact(folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_enact"));
@@ -243,6 +248,76 @@ fn every_object_becomes_a_scene_that_is_checked() {
             );
         }
     }
+}
+
+/// Every material makes a scene that bounces in the middle of what its rule allows, free within it, and says the rule.
+#[test]
+fn materials_bounce_as_their_rules_say() {
+    let (folder, schema) = (folder(), Schema::of_program());
+    let listed = stdout(folder.path(), &["scene", "materials"], 0);
+    let docs = fs::read_to_string(root().join("docs/scene_shapes.md")).expect("the page");
+    for material in MATERIALS {
+        let [least, most] = material.restitution();
+        assert!(listed.contains(material.name) && listed.contains(material.source));
+        let row = docs
+            .lines()
+            .find(|line| line.starts_with(&format!("| `{}`", material.name)));
+        let row = row.expect("a row in the page");
+        assert!(
+            row.contains(&least.to_string()) && row.contains(&most.to_string()),
+            "{row}"
+        );
+        let file = format!("{}.toml", material.name);
+        let new = [
+            "scene",
+            "new",
+            "ball",
+            "--material",
+            material.name,
+            "-o",
+            &file,
+        ];
+        let said = stdout(folder.path(), &new, 0);
+        assert!(said.contains(material.source), "{said}");
+        let text = fs::read_to_string(folder.path().join(&file)).expect("a scene");
+        assert!(
+            text.contains(material.source) && schema.accepts(&text).is_ok(),
+            "{text}"
+        );
+        assert_eq!(text.matches("restitution = ").count(), 1, "{text}");
+        let scene = scene_from_toml(&text).expect("a scene");
+        let middle = (least + most) / 2.0;
+        for law in &scene.contact_laws {
+            assert!((law.restitution - middle).abs() <= 5.01e-4, "{law:?}");
+        }
+        assert!(!scene.contact_laws.is_empty());
+        let bounds: Vec<[f64; 2]> = scene
+            .parameters
+            .iter()
+            .map(|of| [of.lower, of.upper])
+            .collect();
+        match least < most {
+            true => assert_eq!(bounds, [[least, most]]),
+            false => assert!(bounds.is_empty()),
+        }
+    }
+    let output = enact(folder.path())
+        .args([
+            "scene",
+            "new",
+            "ball",
+            "--material",
+            "tenis-ball",
+            "-o",
+            "x.toml",
+        ])
+        .output()
+        .expect("it runs");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.code() == Some(1) && said.contains("did you mean tennis-ball?"),
+        "{said}"
+    );
 }
 
 #[test]

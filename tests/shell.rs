@@ -71,16 +71,31 @@ fn recordings_go_through_pipes() {
         estimate.stdout.clone(),
     );
     assert_eq!(rows(&text(&export.stdout)), rows(&expected));
-    let inspect = piped(&["inspect", "-"], estimate.stdout);
+    let inspect = piped(&["inspect", "-"], estimate.stdout.clone());
     assert!(text(&inspect.stdout).contains("/estimate/pencil/pose"));
+    let page = piped(&["report", "-", "-o", "-"], estimate.stdout.clone());
+    assert!(text(&page.stdout).starts_with("<!doctype html>"));
 
-    let nameless = piped(&["replay", "-"], input);
-    assert_eq!(nameless.status.code(), Some(1));
-    assert!(
-        text(&nameless.stderr).contains("-o FILE"),
-        "{}",
-        text(&nameless.stderr)
-    );
+    // Nothing can be named after stdin.
+    for (arguments, input) in [
+        (&["replay", "-"][..], &input),
+        (&["predict", "-"], &input),
+        (&["export", "-", "--to", "csv"], &estimate.stdout),
+        (&["report", "-"], &estimate.stdout),
+    ] {
+        let mut nameless = enact(arguments);
+        nameless.current_dir(_folder.path());
+        let nameless = nameless
+            .write_stdin(input.as_slice())
+            .output()
+            .expect("run");
+        let said = text(&nameless.stderr);
+        assert_eq!(nameless.status.code(), Some(1), "{arguments:?}: {said}");
+        assert!(
+            said.contains("stdin has no name") && said.contains("-o FILE"),
+            "{said}"
+        );
+    }
     assert_eq!(std::fs::read_dir(_folder.path()).expect("list").count(), 1);
 }
 

@@ -39,6 +39,10 @@ with AnyReader([pathlib.Path(path)]) as reader:
             found[3:] *= numpy.sign(found[3:] @ expected[3:])
             worst = max(worst, abs(found - expected).max())
             seen += 1
+    # RViz takes a description only from who keeps it, and looks for frames and joints on these topics.
+    offered = {of.topic: [qos.durability.name for qos in of.ext.offered_qos_profiles] for of in reader.connections}
+    if offered["/robot_description"] != ["TRANSIENT_LOCAL"] or offered["/tf"] != ["VOLATILE"]:
+        sys.exit(f"offered: {offered}")
 with Rosbag2Reader(path) as reader:
     for topic in rows:
         read = file_interface.read_bag_trajectory(reader, topic)

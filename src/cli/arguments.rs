@@ -84,6 +84,7 @@ pub(super) enum Command {
     #[command(after_help = "Examples:\n\
              \x20 enact scene new pencil -o pencil.toml\n\
              \x20 enact scene new mug.stl --unit mm --mass-g 320 --lands +z -o mug.toml\n\
+             \x20 enact scene new ball --material tennis-ball -o ball.toml\n\
              \x20 enact scene check pencil.toml")]
     Scene {
         /// Of what

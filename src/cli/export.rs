@@ -1,21 +1,16 @@
 //! `export`: the motion of an estimate for other programs.
 
-use std::path::Path;
-
 use super::arguments::{ExportArguments, Format, Target};
 use super::exit::Exit;
 use super::output;
 use super::process::print_failure;
-use crate::service::{self, ExportFormat, ExportJob, ExportTo, Exported};
+use super::report::destination;
+use crate::service::{self, Destination, ExportFormat, ExportJob, Exported};
 
 pub(super) fn run(arguments: ExportArguments) -> anyhow::Result<Exit> {
     let input = arguments.input.display().to_string();
-    let to = match arguments.output {
-        None => ExportTo::Beside,
-        Some(path) if path == Path::new("-") => ExportTo::Caller,
-        Some(path) => ExportTo::File(path),
-    };
-    let is_piped = to == ExportTo::Caller;
+    let to = arguments.output.map_or(Destination::Beside, destination);
+    let is_piped = to == Destination::Caller;
     let format = arguments.format.of_failure(is_piped);
     let job = ExportJob {
         input: arguments.input,

@@ -1,12 +1,12 @@
 //! `report`: an estimate as a page and a picture for people.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::arguments::{Format, ReportArguments, Seen};
 use super::exit::Exit;
 use super::output;
 use super::process::print_failure;
-use crate::service::{self, Destination, ReportJob, ReportMade, View};
+use crate::service::{self, Destination, ReportJob, ReportMade, View, is_pipe};
 
 pub(super) fn run(arguments: ReportArguments) -> anyhow::Result<Exit> {
     let input = arguments.input.display().to_string();
@@ -15,7 +15,7 @@ pub(super) fn run(arguments: ReportArguments) -> anyhow::Result<Exit> {
     let page = match (arguments.output, &picture) {
         (Some(output), _) => Some(destination(output)),
         (None, Some(_)) => None,
-        (None, None) => Some(Destination::File(arguments.input.with_extension("html"))),
+        (None, None) => Some(Destination::Beside),
     };
     let is_caller = |to: &Destination| *to == Destination::Caller;
     let is_piped = page.iter().chain(&picture).any(is_caller);
@@ -45,8 +45,8 @@ pub(super) fn run(arguments: ReportArguments) -> anyhow::Result<Exit> {
     Ok(if is_whole { Exit::Done } else { Exit::NotWhole })
 }
 
-fn destination(path: PathBuf) -> Destination {
-    match path == Path::new("-") {
+pub(super) fn destination(path: PathBuf) -> Destination {
+    match is_pipe(&path) {
         true => Destination::Caller,
         false => Destination::File(path),
     }

@@ -8,7 +8,7 @@ use super::calibrate;
 use super::exit::Exit;
 use super::output;
 use super::process::print_failure;
-use crate::config::{BodyCheck, PRESETS, SceneCheck, scene_reference, scene_schema};
+use crate::config::{BodyCheck, MATERIALS, PRESETS, SceneCheck, scene_reference, scene_schema};
 use crate::service::{self, FromUrdfJob, NewSceneJob, NewSceneMade, UrdfImported};
 
 /// A turn by less is rounding \[degrees\].
@@ -26,6 +26,15 @@ pub(super) fn run(command: SceneCommand) -> anyhow::Result<Exit> {
             let lines = PRESETS
                 .iter()
                 .map(|of| format!("{:<8} {}\n         {}\n", of.name, of.what, of.source));
+            output::print(&lines.collect::<String>())?;
+            Ok(Exit::Done)
+        }
+        SceneCommand::Materials => {
+            let lines = MATERIALS.iter().map(|of| {
+                let [least, most] = of.restitution();
+                let (name, what, source) = (of.name, of.what, of.source);
+                format!("{name}  {what}\n  restitution {least} to {most}\n  {source}\n")
+            });
             output::print(&lines.collect::<String>())?;
             Ok(Exit::Done)
         }
@@ -50,6 +59,7 @@ fn new(arguments: NewSceneArguments) -> anyhow::Result<Exit> {
         unit_m: arguments.unit.map(LengthUnit::metres),
         take_hull: arguments.hull,
         mass_g: arguments.mass_g,
+        material: arguments.material,
         tracker_mm: arguments.tracker_mm,
         bounces: arguments.bounces,
         stamps: match arguments.stamps {

@@ -302,6 +302,8 @@ impl<'a> Table<'a> {
     ) -> Result<Vec<Condition>, Fault> {
         let raw = self.raw;
         let Some(at_rest) = raw.at_rest.as_ref().filter(|of| *of.get_ref()) else {
+            // What is not at rest may be said so.
+            self.used.add(&["at_rest"]);
             return Ok(Vec::new());
         };
         if has_velocity || has_spin {

@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use super::error::SceneError;
 use super::keys::nearest;
+use super::material::Material;
 use super::mesh::{MeshError, MeshFormat, mesh};
 use super::preset::{PRESETS, Preset, preset};
 use super::text::scene_from_toml;
@@ -24,6 +25,8 @@ pub struct NewScene {
     pub object: NewObject,
     /// Its mass \[g\], if it is another than that of the preset; of a mesh it is needed.
     pub mass_g: Option<f64>,
+    /// How it bounces, by the name of a [`Material`]; by default as is usual for it, roughly.
+    pub material: Option<String>,
     /// Where the tracker is on it \[mm\], in its frame.
     pub tracker_mm: Option<[f64; 3]>,
     /// How often it bounces before it lands.
@@ -76,6 +79,14 @@ pub enum NewSceneError {
         /// What there is.
         expected: String,
     },
+    /// There is no such material.
+    #[error("no material {name:?}, {expected}")]
+    Material {
+        /// As given.
+        name: String,
+        /// What there is.
+        expected: String,
+    },
     /// A mesh without a mass.
     #[error("the mesh has no mass, expected its mass in grams")]
     Mass,
@@ -107,8 +118,15 @@ pub fn new_scene(of: &NewScene) -> Result<MadeScene, NewSceneError> {
             expected: "100 at most",
         });
     }
+    let material = of.material.as_deref().map(|name| {
+        Material::named(name).map_err(|expected| NewSceneError::Material {
+            name: name.to_owned(),
+            expected,
+        })
+    });
+    let material = material.transpose()?;
     let mut notes = Vec::new();
-    let (name, title, body, feature) = match &of.object {
+    let (name, title, mut body, feature) = match &of.object {
         NewObject::Preset(name) => {
             let preset = preset(name).ok_or_else(|| unknown(name))?;
             let body = of_preset(preset, of.mass_g);
@@ -140,6 +158,16 @@ pub fn new_scene(of: &NewScene) -> Result<MadeScene, NewSceneError> {
             (name.clone(), title, body, None)
         }
     };
+    if let (NewObject::Mesh { .. }, None) = (&of.object, material) {
+        notes.push("the restitution is a guess: set it, or free it by [[free]]".into());
+    }
+    if let Some(material) = material {
+        body.bounces_as(material);
+        notes.push(format!(
+            "restitution of {}, by {}; friction is not said there and stays as it was",
+            material.what, material.source
+        ));
+    }
     let mut toml = String::new();
     let quoted = toml::Value::from(name.as_str()).to_string();
     let _ = write!(
@@ -186,6 +214,13 @@ pub fn new_scene(of: &NewScene) -> Result<MadeScene, NewSceneError> {
             }
         }
     }
+    if let Some([lower, upper]) = material.map(Material::restitution).filter(|[a, b]| a < b) {
+        let quantity = toml::Value::from(format!("{name}.restitution"));
+        let _ = write!(
+            toml,
+            "\n# As far as the rule lets it differ.\n[[free]]\nquantity = {quantity}\nlower = {lower}\nupper = {upper}\n"
+        );
+    }
     toml += "\n[[event]]\nname = \"landing\"\nkind = \"end\"\n";
     if let Some(up) = &of.lands {
         let up = toml::Value::from(up.as_str());
@@ -219,6 +254,24 @@ struct BodyText {
     keys: String,
     /// Tables below it.
     tables: String,
+}
+
+impl BodyText {
+    /// Its coefficient of restitution in the middle of those of a material.
+    fn bounces_as(&mut self, material: &Material) {
+        let [least, most] = material.restitution();
+        let middle = ((least + most) * 500.0).round() / 1e3;
+        let lines = self.keys.lines();
+        let others = lines
+            .filter(|line| !line.starts_with("restitution") && !line.contains("restitution on"));
+        let mut keys: String = others.map(|line| format!("{line}\n")).collect();
+        let _ = write!(
+            keys,
+            "# {}: {}.\nrestitution = {middle}\n",
+            material.what, material.source
+        );
+        self.keys = keys;
+    }
 }
 
 fn of_preset(preset: &Preset, mass_g: Option<f64>) -> BodyText {
@@ -298,7 +351,6 @@ fn of_mesh(
         },
         corners_m.len()
     ));
-    notes.push("the restitution is a guess: set it, or free it by [[free]]".into());
     Ok(BodyText { keys, tables })
 }
 

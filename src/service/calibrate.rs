@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use serde::Serialize;
 
+use super::working::Working;
 use crate::config::{Calibration, scene_calibrated};
 use crate::write::atomic::AtomicFile;
 
@@ -102,6 +103,7 @@ pub fn calibrate(job: &CalibrateJob) -> anyhow::Result<Calibrated> {
     if let Some(output) = &job.output {
         refuse_present(output)?;
     }
+    let _working = Working::begin("calibrating");
     let (calibration, lost) = match &job.kind {
         CalibrateKind::Pivot { feature } => {
             tip::pivot(only(&job.inputs)?, &job.choice, feature.as_deref())?

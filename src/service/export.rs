@@ -6,8 +6,9 @@ mod job;
 use anyhow::bail;
 
 use self::files::{files, write};
-pub use self::job::{ExportFormat, ExportJob, ExportTo, Exported};
+pub use self::job::{ExportFormat, ExportJob, Exported};
 use super::read_back::ReadBack;
+use super::working::Working;
 use crate::motion::Scene;
 use crate::write::export::{ExportedBody, WrittenMotion, exported_bodies, fastest_turn_rad_s};
 
@@ -31,7 +32,9 @@ pub fn export(job: &ExportJob) -> anyhow::Result<Exported> {
         );
     }
     let path = job.input.display();
+    let working = Working::begin("reading");
     let read = ReadBack::open(&job.input)?;
+    working.now("exporting");
     let (scene, motion) = (&read.scene, &read.motion);
     if job.with_acted && job.format == ExportFormat::Bvh {
         bail!(

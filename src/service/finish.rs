@@ -7,7 +7,8 @@ use anyhow::{Context, bail};
 use super::deadline::Deadline;
 use super::provenance::provenance;
 use super::refusal::Refusal;
-use super::stopwatch::{Progress, Stopwatch};
+use super::stopwatch::Stopwatch;
+use super::working::Working;
 use crate::config::scene_from_toml;
 use crate::ingest::{Recording, SCENE_NAME, TakeReport, is_pipe, listed};
 use crate::motion::{Phase, Scene};
@@ -141,9 +142,9 @@ pub(super) fn finish(
     pipeline: &Pipeline,
     take: &TakeReport,
     output: &Path,
-    progress: Progress,
+    working: &Working,
 ) -> anyhow::Result<RecordingReport> {
-    finished(opened, pipeline, take, output, progress).map(|(report, _)| report)
+    finished(opened, pipeline, take, output, working).map(|(report, _)| report)
 }
 
 /// [`finish`], which returns the estimate too.
@@ -152,11 +153,11 @@ pub(super) fn finished(
     pipeline: &Pipeline,
     take: &TakeReport,
     output: &Path,
-    progress: Progress,
+    working: &Working,
 ) -> anyhow::Result<(RecordingReport, Outcome)> {
     let recording = &opened.recording;
     opened.deadline.check(recording.path())?;
-    let mut stopwatch = Stopwatch::start(opened.deadline, progress);
+    let mut stopwatch = Stopwatch::start(opened.deadline, working);
     let outcome = pipeline
         .finish(&mut stopwatch)
         .map_err(|error| Refusal::new(pipeline, error))
@@ -175,6 +176,7 @@ pub(super) fn finished(
         iterations = outcome.estimate.counters.iterations,
         "estimated"
     );
+    working.now("writing");
     let written = write_estimate(
         output,
         &EstimateFile {

@@ -14,6 +14,7 @@ use self::names::{Named, name_of_file, topics};
 use self::told::{Told, told};
 use super::finish::check_distinct;
 use super::mark::{check_event, stamp_of};
+use super::working::Working;
 use crate::config::scene_from_toml;
 use crate::ingest::table::{PoseTable, TableOptions, read_table};
 use crate::ingest::{ListedMark, Recording, SCENE_NAME};
@@ -122,8 +123,10 @@ pub fn import(job: &ImportJob) -> anyhow::Result<Imported> {
             "--start {start_s} is after --end {end_s}, expected it before"
         );
     }
+    let working = Working::begin("reading");
     let mut tables = Vec::new();
     for input in &job.inputs {
+        working.now(input.display().to_string());
         let bytes =
             std::fs::read(input).with_context(|| format!("{}: cannot read", input.display()))?;
         match kind::of(input, bytes)? {
@@ -138,6 +141,7 @@ pub fn import(job: &ImportJob) -> anyhow::Result<Imported> {
             }
         }
     }
+    working.now("writing");
     recording(job, &tables, scene.as_ref())
 }
 

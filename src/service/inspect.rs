@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::deadline::Deadline;
 use super::finish::{attached_scene, lost, opened, warnings};
 use super::words::words;
+use super::working::Working;
 use crate::ingest::Recording;
 use crate::motion::{Mark, Scene, Stamp, TakeEvent};
 
@@ -107,6 +108,7 @@ pub fn inspect(
     scene_file: Option<&Path>,
     deadline_after: Option<Duration>,
 ) -> anyhow::Result<Inspection> {
+    let _working = Working::begin("reading");
     let deadline = Deadline::begin(deadline_after);
     let recording = Recording::open_until(input, deadline.instant())?;
     let (recording, scene) = match scene_file {

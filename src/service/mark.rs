@@ -13,6 +13,7 @@ pub(super) use self::edit::{check_event, stamp_of};
 use super::deadline::Deadline;
 use super::finish::{Opened, check_distinct, lost, opened, warnings, with_recording};
 use super::inspect::{MarkLine, mark_line};
+use super::working::Working;
 use crate::ingest::Take;
 use crate::motion::{Mark, Stamp, TakeEvent};
 use crate::pipeline::{MarkProposal, Pipeline};
@@ -78,6 +79,10 @@ pub fn mark(job: &MarkJob) -> anyhow::Result<Marked> {
     if let Some(output) = &job.output {
         check_distinct(&job.input, output)?;
     }
+    let _working = Working::begin(match job.is_proposing {
+        true => "proposing marks",
+        false => "reading",
+    });
     with_recording(&job.input, Deadline::begin(None), |recording| {
         marked(
             job,

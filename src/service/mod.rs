@@ -41,6 +41,7 @@ mod stopwatch;
 #[cfg(feature = "live")]
 mod takes;
 mod words;
+mod working;
 
 pub use crate::ingest::is_pipe;
 pub use crate::page::View;
@@ -53,7 +54,7 @@ pub use calibrate::{
 pub use direct::{DaemonAnswer, DirectJob, Direction, Label, direct};
 #[cfg(feature = "live")]
 pub use doctor::{DoctorJob, Finding, Health, doctor};
-pub use export::{DEFAULT_EXPORT_RATE_HZ, ExportFormat, ExportJob, ExportTo, Exported, export};
+pub use export::{DEFAULT_EXPORT_RATE_HZ, ExportFormat, ExportJob, Exported, export};
 pub use from_urdf::{FromUrdfJob, UrdfImported, from_urdf};
 pub use import::{BodyLine, FlightLine, ImportJob, Imported, InputLine, import};
 pub use inspect::{Inspection, MarkLine, PoseLine, TopicLine, inspect};

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::bail;
 
 use super::finish::{beside, check_distinct, finish, open};
-use super::stopwatch::Progress;
+use super::working::Working;
 use crate::motion::{EventKind, Scene};
 use crate::pipeline::Pipeline;
 use crate::report::RecordingReport;
@@ -37,6 +37,7 @@ pub fn predict(job: &PredictJob) -> anyhow::Result<RecordingReport> {
         None => beside(&job.input, "predicted.mcap")?,
     };
     check_distinct(&job.input, &output)?;
+    let working = Working::begin("reading");
     let mut opened = open(&job.input, job.scene.as_deref())?;
     let path = job.input.display();
     let take = opened.recording.take(&opened.scene)?;
@@ -52,7 +53,7 @@ pub fn predict(job: &PredictJob) -> anyhow::Result<RecordingReport> {
         );
     };
     opened.scene = pipeline.scene().clone();
-    finish(&opened, &pipeline, &take.report, &output, Progress::Shown)
+    finish(&opened, &pipeline, &take.report, &output, &working)
 }
 
 fn last(scene: &Scene, until: Option<&str>) -> anyhow::Result<usize> {

@@ -7,12 +7,11 @@ use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context, bail};
-use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
 use super::deadline::Deadline;
 use super::finish::{check_distinct, finish, opened, output_path, with_recording};
-use super::stopwatch::Progress;
+use super::working::Working;
 use crate::ingest::Recording;
 use crate::pipeline::Pipeline;
 use crate::report::RecordingReport;
@@ -66,36 +65,39 @@ pub fn process(
     let outputs = outputs(job)?;
     std::fs::create_dir_all(&job.output)
         .with_context(|| format!("{}: cannot make the folder", job.output.display()))?;
-    let progress = ProgressBar::new(job.inputs.len() as u64).with_style(
-        ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} {wide_msg}")
-            .context("progress template")?,
-    );
+    let working = Working::of(job.inputs.len());
     let (sender, results) = mpsc::channel();
     thread::scope(|scope| {
-        let progress = &progress;
+        let working = &working;
         scope.spawn(move || {
             job.inputs
                 .par_iter()
                 .zip(&outputs)
                 .enumerate()
                 .for_each_with(sender, |sender, (index, (input, output))| {
-                    progress.set_message(input.display().to_string());
                     let result = one(job, input, output);
-                    progress.inc(1);
+                    working.done();
                     // A receiver that has gone away has failed and reports the reason itself.
                     let _ = sender.send((index, result));
                 });
         });
         let mut waiting = BTreeMap::new();
         let mut next = 0;
+        // Several go on at once: it says the first that is not done.
+        let waits_for = |next: usize| {
+            if let Some(input) = job.inputs.get(next) {
+                working.now(input.display().to_string());
+            }
+        };
+        waits_for(next);
         for (index, result) in results {
             waiting.insert(index, result);
             while let Some(result) = waiting.remove(&next) {
-                progress.suspend(|| each(result))?;
+                working.around(|| each(result))?;
                 next += 1;
             }
+            waits_for(next);
         }
-        progress.finish_and_clear();
         Ok(())
     })
 }
@@ -135,7 +137,7 @@ fn one(job: &ProcessJob, input: &Path, output: &Path) -> Result<Processed, Failu
         let take = opened.recording.take(&opened.scene)?;
         let pipeline = Pipeline::of(opened.scene.clone(), take.events);
         let pipeline = pipeline.with_free_auto(job.is_free_auto);
-        let report = finish(&opened, &pipeline, &take.report, output, Progress::Hidden)?;
+        let report = finish(&opened, &pipeline, &take.report, output, &Working::hidden())?;
         Ok(Processed::Estimated(Box::new(report)))
     };
     with_recording(input, deadline, estimate).map_err(|error| Failure {

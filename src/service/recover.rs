@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::working::Working;
 use crate::write::{Recovered, abandoned, recover};
 
 /// The result for one journal.
@@ -41,6 +42,7 @@ pub fn recover_all(
     paths: &[PathBuf],
     mut each: impl FnMut(&Path, anyhow::Result<RecoveredLine>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
+    let working = Working::begin("recovering");
     for path in paths {
         let journals = if path.is_dir() {
             abandoned(path)?
@@ -50,7 +52,7 @@ pub fn recover_all(
         for journal in journals {
             let result = recover(&journal);
             let line = result.map(|recovered| line(&journal, &recovered));
-            each(&journal, line.map_err(Into::into))?;
+            working.around(|| each(&journal, line.map_err(Into::into)))?;
         }
     }
     Ok(())

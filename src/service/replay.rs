@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::deadline::Deadline;
 use super::finish::{Opened, check_distinct, finished, opened, output_path, with_recording};
 use super::publish::Publication;
-use super::stopwatch::Progress;
+use super::working::Working;
 use crate::ingest::Source;
 use crate::motion::Stamp;
 use crate::pipeline::Pipeline;
@@ -48,16 +48,23 @@ pub fn replay(job: &ReplayJob) -> anyhow::Result<RecordingReport> {
     };
     check_distinct(&job.input, &output)?;
     let deadline = Deadline::begin(job.deadline);
+    let working = Working::begin("reading");
     with_recording(&job.input, deadline, |recording| {
         replayed(
             job,
             opened(recording, job.scene.as_deref(), deadline)?,
             &output,
+            &working,
         )
     })
 }
 
-fn replayed(job: &ReplayJob, opened: Opened, output: &Path) -> anyhow::Result<RecordingReport> {
+fn replayed(
+    job: &ReplayJob,
+    opened: Opened,
+    output: &Path,
+    working: &Working,
+) -> anyhow::Result<RecordingReport> {
     let mut source = opened.recording.source(&opened.scene)?;
     let mut pipeline = Pipeline::new(opened.scene.clone());
     let publish = job.publish.as_ref();
@@ -75,7 +82,7 @@ fn replayed(job: &ReplayJob, opened: Opened, output: &Path) -> anyhow::Result<Re
         pipeline.push(event);
     }
     let pipeline = pipeline.with_free_auto(job.is_free_auto);
-    let (report, outcome) = finished(&opened, &pipeline, source.report(), output, Progress::Shown)?;
+    let (report, outcome) = finished(&opened, &pipeline, source.report(), output, working)?;
     if let Some(publication) = publication {
         publication.end(&outcome)?;
     }

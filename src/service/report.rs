@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::finish::check_distinct;
 use super::output::{Destination, write_file};
 use super::read_back::ReadBack;
+use super::working::Working;
 use crate::motion::{PoseSample, Sees, TakeEvent, TrackIndex};
 use crate::page::{Page, View, html, strobe_of};
 
@@ -16,7 +17,7 @@ use crate::page::{Page, View, html, strobe_of};
 pub struct ReportJob {
     /// A recording with an estimate.
     pub input: PathBuf,
-    /// Where the page goes; none: no page is made.
+    /// Where the page goes, with the ending `html` if beside; none: no page is made.
     pub page: Option<Destination>,
     /// Where the picture goes, and from where it is seen.
     pub picture: Option<(Destination, View)>,
@@ -47,7 +48,9 @@ pub struct ReportMade {
 /// Makes them. Both are made before anything is written.
 pub fn report(job: &ReportJob) -> anyhow::Result<ReportMade> {
     let path = job.input.display();
+    let working = Working::begin("reading");
     let read = ReadBack::open(&job.input)?;
+    working.now("drawing");
     let provenance = read.provenance(&job.command);
     let (readings, unread) = readings(&read);
     let mut made = ReportMade {
@@ -66,8 +69,9 @@ pub fn report(job: &ReportJob) -> anyhow::Result<ReportMade> {
         provenance: &provenance,
         lost: &read.lost(),
     };
-    let mut files: Vec<(&Destination, String)> = Vec::new();
+    let mut files: Vec<(Option<PathBuf>, String)> = Vec::new();
     if let Some(to) = &job.page {
+        let to = to.file(&job.input, "html")?;
         files.push((to, html(&page).with_context(|| path.to_string())?));
     }
     if let Some((to, view)) = &job.picture {
@@ -77,30 +81,30 @@ pub fn report(job: &ReportJob) -> anyhow::Result<ReportMade> {
                 made.verdict
             );
         };
-        files.push((to, strobe.file(*view)));
+        files.push((to.file(&job.input, "svg")?, strobe.file(*view)));
     }
     check(&job.input, &files)?;
     for (to, text) in files {
         match to {
-            Destination::File(output) => {
-                write_file(output, text.as_bytes())?;
+            Some(output) => {
+                write_file(&output, text.as_bytes())?;
                 made.outputs.push(output.display().to_string());
             }
-            Destination::Caller => made.bytes = text.into_bytes(),
+            None => made.bytes = text.into_bytes(),
         }
     }
     Ok(made)
 }
 
 /// Refuses files of one name, and the recording as one of them.
-fn check(input: &Path, files: &[(&Destination, String)]) -> anyhow::Result<()> {
+fn check(input: &Path, files: &[(Option<PathBuf>, String)]) -> anyhow::Result<()> {
     for (index, (to, _)) in files.iter().enumerate() {
         if files[..index].iter().any(|(other, _)| other == to) {
             bail!(
                 "page and picture would go to the same place, expected another name for one of them"
             );
         }
-        if let Destination::File(output) = to {
+        if let Some(output) = to {
             check_distinct(input, output)?;
         }
     }

@@ -24,6 +24,8 @@ pub struct NewSceneJob {
     pub take_hull: bool,
     /// Mass \[g\].
     pub mass_g: Option<f64>,
+    /// How it bounces, by the name of a material.
+    pub material: Option<String>,
     /// Where the tracker is on it \[mm\].
     pub tracker_mm: Option<[f64; 3]>,
     /// How often it bounces before it lands.
@@ -85,6 +87,7 @@ pub fn make_scene(job: &NewSceneJob) -> anyhow::Result<NewSceneMade> {
     let made = new_scene(&NewScene {
         object,
         mass_g: job.mass_g,
+        material: job.material.clone(),
         tracker_mm: job.tracker_mm,
         bounces: job.bounces,
         stamps: job.stamps.clone(),

@@ -14,6 +14,7 @@ pub use self::keyframes::Density;
 use self::keyframes::Motion;
 use self::places::placed;
 use super::finish::{check_distinct, lost, open, warnings};
+use super::working::Working;
 use crate::config::{scene_from_toml, sketch_from_csv, sketch_from_toml};
 use crate::ingest::SCENE_NAME;
 use crate::motion::{Scene, SketchRow, Stamp};
@@ -98,8 +99,9 @@ pub fn sketch(job: &SketchJob) -> anyhow::Result<Sketched> {
             output.display()
         );
     }
+    let working = Working::begin("reading");
     if from == Kind::Recording {
-        read(job, &output, to)
+        read(job, &output, to, &working)
     } else {
         write(job, &output, from)
     }
@@ -169,7 +171,7 @@ fn write(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched>
 }
 
 /// A recording becomes a written sketch.
-fn read(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched> {
+fn read(job: &SketchJob, output: &Path, kind: Kind, working: &Working) -> anyhow::Result<Sketched> {
     let opened = open(&job.input, job.scene.as_deref())?;
     let scene = &opened.scene;
     let written = opened.recording.sketch(scene)?;
@@ -181,7 +183,7 @@ fn read(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched> 
             let take = opened.recording.take(scene)?;
             let mut notes = (lost(&take.report), warnings(&take.report));
             let motion = if job.is_estimated {
-                let (motion, note) = Motion::estimated(scene, take.events)
+                let (motion, note) = Motion::estimated(scene, take.events, working)
                     .with_context(|| job.input.display().to_string())?;
                 notes.1.extend(note);
                 motion

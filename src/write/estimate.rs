@@ -314,7 +314,7 @@ impl<'a> Composer<'a> {
             .any(|channel| channel.topic == topic && !topics::is_ours(&channel.metadata));
         self.additions.channels.push(OurChannel {
             topic: if is_taken {
-                format!("/estimate{topic}")
+                format!("{}{topic}", topics::DISPUTED)
             } else {
                 topic.to_owned()
             },

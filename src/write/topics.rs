@@ -32,7 +32,7 @@ pub const JOINTS: &str = "/estimate/joints";
 pub const ROS_JOINTS: &str = "/joint_states";
 /// What viewers draw.
 pub const SCENE: &str = "/scene";
-/// The same as URDF.
+/// The same as URDF, where RViz looks for it.
 pub const ROBOT_DESCRIPTION: &str = "/robot_description";
 /// When the scene's events happen.
 pub const EVENTS: &str = "/estimate/events";
@@ -40,6 +40,9 @@ pub const EVENTS: &str = "/estimate/events";
 pub const TIME_MAP: &str = "/estimate/time_map";
 /// The whole estimate.
 pub const REPORT: &str = "/estimate/report";
+
+/// Before a topic of ours of which the input has another.
+pub(super) const DISPUTED: &str = "/estimate";
 
 /// Key and value in the metadata of every channel that an estimate adds; by them a later run
 /// knows what to replace.
@@ -68,6 +71,16 @@ pub fn sketch_frame(body: &str) -> String {
 /// The frame that moves with a body's tracker, live.
 pub fn live_frame(body: &str) -> String {
     format!("{body}_live")
+}
+
+/// The topic that a topic of ours has where the input has none of that name: without the `/estimate` before it, if that
+/// stands there to tell the two apart.
+pub(super) fn undisputed(topic: &str) -> &str {
+    let plain = topic.strip_prefix(DISPUTED).unwrap_or_default();
+    match [TRANSFORMS, ROBOT_DESCRIPTION, ROS_JOINTS].contains(&plain) {
+        true => plain,
+        false => topic,
+    }
 }
 
 /// Metadata of every channel that an estimate adds.

@@ -18,6 +18,8 @@ pub(in crate::cli) enum SceneCommand {
     Check(CheckSceneArguments),
     /// List the objects that `scene new` knows
     Objects,
+    /// List the materials that `scene new --material` knows
+    Materials,
     /// Write the JSON schema of scene files to stdout, for editors
     Schema,
     /// Write the reference of scene files to stdout, Markdown
@@ -44,6 +46,9 @@ pub(in crate::cli) struct NewSceneArguments {
     /// Take the convex hull of a mesh, as where its surface is not closed
     #[arg(long)]
     pub(in crate::cli) hull: bool,
+    /// How it bounces, by the name of one of `scene materials` [default: roughly, as is usual for the object]
+    #[arg(long, value_name = "NAME")]
+    pub(in crate::cli) material: Option<String>,
     /// Where the tracker is on the object, in millimetres along its axes [default: at its origin]
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
     pub(in crate::cli) tracker_mm: Option<[f64; 3]>,

@@ -74,17 +74,19 @@ pub(super) fn layout(
         let parts: Vec<usize> = parts.into_iter().flatten().collect();
         parts.try_into().ok()
     };
+    let is_order_named = all(quaternion).is_some();
     let orientation = if let Some(parts) = all(quaternion) {
         Orientation::Quaternion(parts)
     } else if let Some([a, b, c, d]) = all(numbered) {
-        let order = order.unwrap_or_else(|| {
-            notes.push(
-                "the quaternion's columns are numbered: taken as w, x, y, z (--quaternion xyzw for the \
-                 other order)"
-                    .to_owned(),
-            );
-            QuaternionOrder::Wxyz
-        });
+        let why = match order {
+            Some(_) => "as --quaternion says",
+            None => "the usual order (--quaternion xyzw for the other)",
+        };
+        let order = order.unwrap_or(QuaternionOrder::Wxyz);
+        notes.push(format!(
+            "the quaternion's columns are numbered: taken as {}, {why}",
+            order.words()
+        ));
         Orientation::Quaternion(match order {
             QuaternionOrder::Wxyz => [b, c, d, a],
             QuaternionOrder::Xyzw => [a, b, c, d],
@@ -138,6 +140,7 @@ pub(super) fn layout(
         rate_hz: None,
         preset: None,
         unread: unread.map(|(name, _)| name.clone()).collect(),
+        is_order_named,
         notes,
         is_section: false,
     })
@@ -262,11 +265,14 @@ fn without_head(row: &Line, order: Option<QuaternionOrder>) -> Result<Layout, Fa
             ),
         );
     }
-    let order = order.unwrap_or(if is_euroc {
-        QuaternionOrder::Wxyz
-    } else {
-        QuaternionOrder::Xyzw
-    });
+    let (order, why) = match (order, is_euroc) {
+        (Some(order), _) => (order, "--quaternion says"),
+        (None, true) => (
+            QuaternionOrder::Wxyz,
+            "EuRoC has them, whose times are nanoseconds too",
+        ),
+        (None, false) => (QuaternionOrder::Xyzw, "TUM has them, with 8 columns too"),
+    };
     let (kind, quaternion, named) = match order {
         QuaternionOrder::Xyzw => ("TUM", [4, 5, 6, 7], "qx, qy, qz, qw"),
         QuaternionOrder::Wxyz => ("EuRoC", [5, 6, 7, 4], "qw, qx, qy, qz"),
@@ -287,8 +293,9 @@ fn without_head(row: &Line, order: Option<QuaternionOrder>) -> Result<Layout, Fa
         unread: (9..=count)
             .map(|column| format!("column {column}"))
             .collect(),
+        is_order_named: false,
         notes: vec![format!(
-            "columns have no names: taken as t, x, y, z, {named} (--columns for others)"
+            "columns have no names: taken as t, x, y, z, {named}, as {why} (--columns for others)"
         )],
         is_section: false,
     })

@@ -27,6 +27,16 @@ pub enum QuaternionOrder {
     Wxyz,
 }
 
+impl QuaternionOrder {
+    /// In words.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::Xyzw => "x, y, z, w",
+            Self::Wxyz => "w, x, y, z",
+        }
+    }
+}
+
 /// What three angles mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
@@ -50,6 +60,20 @@ pub(super) enum Orientation {
     Quaternion([usize; 4]),
     /// Of three angles.
     Angles([usize; 3], AngleUnit),
+}
+
+impl Orientation {
+    /// The order in which the columns of a quaternion stand, in words.
+    pub(super) fn order(&self) -> Option<String> {
+        let Self::Quaternion(parts) = self else {
+            return None;
+        };
+        let mut parts: Vec<(usize, &str)> =
+            parts.iter().copied().zip(["x", "y", "z", "w"]).collect();
+        parts.sort();
+        let letters: Vec<&str> = parts.iter().map(|(_, letter)| *letter).collect();
+        Some(letters.join(", "))
+    }
 }
 
 /// Columns of the time of a row.
@@ -89,6 +113,8 @@ pub(super) struct Layout {
     pub(super) preset: Option<&'static str>,
     /// Names of the columns that are not read.
     pub(super) unread: Vec<String>,
+    /// Whether the order of quaternions is said by the names of their columns; otherwise it is among what to know.
+    pub(super) is_order_named: bool,
     /// What to know.
     pub(super) notes: Vec<String>,
     /// Whether the table ends at a row that begins without a number.

@@ -82,6 +82,12 @@ fn read(text: &str, options: &TableOptions) -> Result<PoseTable, Fault> {
     let lines = lines(text)?;
     let (layout, begin) = layout(&lines, options)?;
     let mut notes = layout.notes.clone();
+    let named = layout.bodies.first().filter(|_| layout.is_order_named);
+    if let Some(order) = named.and_then(|body| body.orientation.order()) {
+        notes.push(format!(
+            "quaternions are {order}, as their columns are named"
+        ));
+    }
     if !layout.unread.is_empty() {
         let shown = layout.unread.len().min(8);
         let more = match layout.unread.len() - shown {

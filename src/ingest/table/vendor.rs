@@ -139,6 +139,7 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
         rate_hz: said("Export Frame Rate").and_then(number),
         preset: Some("motive-y-up"),
         unread: unread(others),
+        is_order_named: true,
         notes,
         is_section: false,
     })
@@ -241,6 +242,7 @@ fn vicon(lines: &Lines, is_axes: impl Fn(&Line) -> bool) -> Result<(Layout, usiz
         rate_hz,
         preset: Some("vicon"),
         unread: Vec::new(),
+        is_order_named: true,
         notes: Vec::new(),
         is_section: true,
     };

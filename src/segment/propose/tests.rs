@@ -184,6 +184,32 @@ fn marks_far_off_are_relocated() {
     assert!(relocate_marks(&scene, &mut sketch).is_empty());
 }
 
+/// Held for 0.4 s, dropped, and at rest from 0.305 s later on, at 100 Hz with a tenth of a millimetre of noise.
+fn dropped() -> Vec<Sample> {
+    (0..150)
+        .map(|i| {
+            let fallen_s = 0.01 * f64::from(i - 40);
+            let fallen_m = match fallen_s {
+                of if of <= 0.0 => 0.0,
+                of if of >= 0.305 => 5.0 * 0.305 * 0.305,
+                of => 5.0 * of * of,
+            };
+            let noise = |pace: f64| 1e-4 * (pace * f64::from(i)).sin();
+            let place_m = Vector3::new(noise(12.9), noise(78.2), 0.5 - fallen_m + noise(37.7));
+            sample(0.01 * f64::from(i), place_m, Vector3::zeros())
+        })
+        .collect()
+}
+
+#[test]
+fn a_toss_that_rests_after_its_impact_ends_six_samples_later() {
+    let ends_s = ends_of_motion_s(&scene(1, Timing::Known), &sketch(dropped(), 1));
+    let [begin_s, end_s] = ends_s.expect("samples");
+    assert!((begin_s - 0.4).abs() < 0.025, "{begin_s}");
+    // The first sample past the impact is that at 0.71 s.
+    assert!((end_s - 0.77).abs() < 1e-9, "{end_s}");
+}
+
 #[test]
 fn what_does_not_fit_is_not_proposed() {
     assert!(propose(&scene(3, UNKNOWN), &sketch(bouncing(19), 3), None).is_empty());

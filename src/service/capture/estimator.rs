@@ -16,8 +16,8 @@ use super::take::now_ns;
 use crate::pipeline::{Outcome, Pipeline};
 use crate::report::RecordingReport;
 use crate::service::finish::{finished, open, output_path};
-use crate::service::stopwatch::Progress;
 use crate::service::words;
+use crate::service::working::Working;
 use crate::write::live::EstimateOccasion;
 
 /// A take whose file is complete.
@@ -68,7 +68,13 @@ fn estimate_file(path: &std::path::Path) -> anyhow::Result<(RecordingReport, Out
     let take = opened.recording.take(&opened.scene)?;
     let pipeline = Pipeline::of(opened.scene.clone(), take.events);
     let output = output_path(path, None)?;
-    let (report, outcome) = finished(&opened, &pipeline, &take.report, &output, Progress::Hidden)?;
+    let (report, outcome) = finished(
+        &opened,
+        &pipeline,
+        &take.report,
+        &output,
+        &Working::hidden(),
+    )?;
     Ok((report, outcome, pipeline.marks() as u64))
 }
 

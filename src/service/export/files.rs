@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
 
-use super::super::finish::{beside, check_distinct};
+use super::super::finish::check_distinct;
 use super::super::output::write_file;
 use super::super::read_back::ReadBack;
-use super::job::{ExportFormat, ExportJob, ExportTo, Exported};
+use super::job::{ExportFormat, ExportJob, Exported};
 use crate::report::{ExportProvenance, prints};
 use crate::write::export::{ExportedBody, bvh, csv, glb, ros2, tum};
 
@@ -62,17 +62,12 @@ pub(super) fn write(
     files: Vec<(String, Vec<u8>)>,
     exported: &mut Exported,
 ) -> anyhow::Result<()> {
-    let output = match &job.to {
-        ExportTo::Beside => beside(&job.input, job.format.ending())?,
-        ExportTo::File(output) => output.clone(),
-        ExportTo::Caller => {
-            let count = files.len();
-            let [(_, bytes)] = <[_; 1]>::try_from(files).map_err(|_| {
-                anyhow!("{count} trajectories, expected -o FILE: one stream holds one")
-            })?;
-            exported.bytes = bytes;
-            return Ok(());
-        }
+    let Some(output) = job.to.file(&job.input, job.format.ending())? else {
+        let count = files.len();
+        let [(_, bytes)] = <[_; 1]>::try_from(files)
+            .map_err(|_| anyhow!("{count} trajectories, expected -o FILE: one stream holds one"))?;
+        exported.bytes = bytes;
+        return Ok(());
     };
     let named: Vec<(PathBuf, Vec<u8>)> = files
         .into_iter()

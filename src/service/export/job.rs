@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+use super::super::output::Destination;
+
 /// What a motion is exported as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExportFormat {
@@ -32,24 +34,13 @@ impl ExportFormat {
     }
 }
 
-/// Where an export goes.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ExportTo {
-    /// To the file with the ending of its format beside the recording.
-    Beside,
-    /// To that file, or files named after it.
-    File(PathBuf),
-    /// To whoever called.
-    Caller,
-}
-
 /// The input of [`export`](super::export).
 #[derive(Clone, Debug)]
 pub struct ExportJob {
     /// A recording with an estimate.
     pub input: PathBuf,
     /// Where it goes.
-    pub to: ExportTo,
+    pub to: Destination,
     /// As what.
     pub format: ExportFormat,
     /// Frames a second.

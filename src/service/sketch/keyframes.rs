@@ -2,6 +2,9 @@
 
 use anyhow::bail;
 
+use super::super::deadline::Deadline;
+use super::super::stopwatch::Stopwatch;
+use super::super::working::Working;
 use crate::motion::{
     ArcEstimate, EventKind, Keyframe, Mark, Scene, SketchRow, Stamp, TakeEvent, Timing, TrackIndex,
     Verdict,
@@ -96,8 +99,10 @@ impl Motion {
     pub(super) fn estimated(
         scene: &Scene,
         events: Vec<TakeEvent>,
+        working: &Working,
     ) -> anyhow::Result<(Self, Option<String>)> {
-        let outcome = Pipeline::of(scene.clone(), events).finish(&mut ())?;
+        let mut stopwatch = Stopwatch::start(Deadline::begin(None), working);
+        let outcome = Pipeline::of(scene.clone(), events).finish(&mut stopwatch)?;
         let estimate = &outcome.estimate;
         if estimate.verdict == Verdict::Failed {
             bail!("no motion is found; `replay` says why");

@@ -46,8 +46,24 @@ struct Channel<'a> {
     id: u16,
 }
 
-/// The file, on the topics of the estimate, joints on that on which ROS 2 has them. Stamps and log times are those of
-/// the estimate. Drawings have no message in ROS 2: the URDF says the same.
+/// What a player of ROS 2 offers readers of a channel. RViz takes a robot's description only from who keeps it for
+/// those that come later.
+fn offered(topic: &str) -> String {
+    // Numbers of `rmw/types.h`: keep last, reliable, automatic; transient local or volatile; without end.
+    const FOREVER: &str = "\n    sec: 9223372036\n    nsec: 854775807";
+    let durability = match topic {
+        topics::ROBOT_DESCRIPTION => 1,
+        _ => 2,
+    };
+    format!(
+        "- history: 1\n  depth: 10\n  reliability: 1\n  durability: {durability}\n  deadline:{FOREVER}\n  \
+         lifespan:{FOREVER}\n  liveliness: 1\n  liveliness_lease_duration:{FOREVER}\n  \
+         avoid_ros_namespace_conventions: false"
+    )
+}
+
+/// The file, on the topics on which ROS 2 looks for such messages: whatever the recording itself had there is not in
+/// it. Stamps and log times are those of the estimate. Drawings have no message in ROS 2: the URDF says the same.
 ///
 /// Fails where a message of the estimate cannot be read.
 pub fn ros2(
@@ -72,6 +88,12 @@ pub fn ros2(
         metadata: [("provenance".to_owned(), text)].into(),
     };
     writer.write_metadata(&metadata).map_err(failed)?;
+    // By it later players read what is offered as the numbers that all of them know.
+    let metadata = Metadata {
+        name: "rosbag2".to_owned(),
+        metadata: [("ROS_DISTRO".to_owned(), "humble".to_owned())].into(),
+    };
+    writer.write_metadata(&metadata).map_err(failed)?;
     let mut channels: BTreeMap<u16, Channel> = BTreeMap::new();
     let mut taken = BTreeSet::new();
     let ours = container.channels().iter();
@@ -85,12 +107,14 @@ pub fn ros2(
         };
         let topic = match to {
             RosMessage::JointState => topics::ROS_JOINTS.to_owned(),
-            _ => ros_name(&channel.topic, &mut taken),
+            _ => ros_name(topics::undisputed(&channel.topic), &mut taken),
         };
         let record = to.schema();
+        let mut metadata = topics::metadata();
+        metadata.insert("offered_qos_profiles".to_owned(), offered(&topic));
         let added = writer
             .add_schema(&record.name, &record.encoding, &record.data)
-            .and_then(|schema| writer.add_channel(schema, &topic, "cdr", &topics::metadata()));
+            .and_then(|schema| writer.add_channel(schema, &topic, "cdr", &metadata));
         let channel = Channel {
             topic: &channel.topic,
             schema,

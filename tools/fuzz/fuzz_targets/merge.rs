@@ -9,7 +9,7 @@ use std::path::Path;
 
 use enact::ingest::Recording;
 use enact::motion::{Mark, Stamp};
-use enact::service::{ExportFormat, ExportJob, ExportTo, export};
+use enact::service::{Destination, ExportFormat, ExportJob, export};
 use enact::wire::container::Container;
 use enact::write::write_marks;
 use libfuzzer_sys::fuzz_target;
@@ -41,7 +41,7 @@ fuzz_target!(|bytes: &[u8]| {
     ] {
         let job = ExportJob {
             input: input.clone(),
-            to: ExportTo::File(Path::new(&input).with_file_name("out")),
+            to: Destination::File(Path::new(&input).with_file_name("out")),
             format,
             frame_rate_hz: 1.0,
             with_acted: true,

@@ -14,6 +14,7 @@
 mod accuracy;
 mod adequacy;
 mod answer;
+mod calibrate;
 mod clatter;
 mod core_time;
 mod cost;
@@ -183,6 +184,11 @@ const SUBJECTS: &[Subject] = &[
         "rest",
         "dice that are asked to show a face at rest",
         rest::run
+    ),
+    subject!(
+        "calibrate",
+        "how often the intervals of calibrated clocks hold",
+        calibrate::run
     ),
     subject!(
         "spent",
