@@ -6,7 +6,7 @@ mod job;
 use anyhow::bail;
 
 use self::files::{files, write};
-pub use self::job::{ExportFormat, ExportJob, ExportTo, Exported};
+pub use self::job::{ExportFormat, ExportJob, Exported};
 use super::read_back::ReadBack;
 use crate::motion::Scene;
 use crate::write::export::{ExportedBody, WrittenMotion, exported_bodies, fastest_turn_rad_s};
@@ -56,7 +56,6 @@ pub fn export(job: &ExportJob) -> anyhow::Result<Exported> {
         keys: bodies.iter().map(|body| body.keys.len()).sum(),
         lost: read.lost(),
         warnings: warnings(job, scene, motion, &bodies),
-        bytes: Vec::new(),
     };
     let files = files(job, &read, &bodies, &provenance)?;
     write(job, files, &mut exported)?;

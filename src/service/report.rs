@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 use serde::Serialize;
 
 use super::finish::check_distinct;
-use super::output::{Destination, write_file};
+use super::output::write_file;
 use super::read_back::ReadBack;
 use crate::motion::{PoseSample, Sees, TakeEvent, TrackIndex};
 use crate::page::{Page, View, html, strobe_of};
@@ -16,10 +16,10 @@ use crate::page::{Page, View, html, strobe_of};
 pub struct ReportJob {
     /// A recording with an estimate.
     pub input: PathBuf,
-    /// Where the page goes; none: no page is made.
-    pub page: Option<Destination>,
-    /// Where the picture goes, and from where it is seen.
-    pub picture: Option<(Destination, View)>,
+    /// Where the page goes, a file or [stdout](crate::service::is_pipe); none: no page is made.
+    pub page: Option<PathBuf>,
+    /// Where the picture goes, likewise, and from where it is seen.
+    pub picture: Option<(PathBuf, View)>,
     /// The command line, to be noted in the files.
     pub command: String,
 }
@@ -39,9 +39,6 @@ pub struct ReportMade {
     pub lost: Vec<String>,
     /// What to know.
     pub warnings: Vec<String>,
-    /// What is not written to a file.
-    #[serde(skip)]
-    pub bytes: Vec<u8>,
 }
 
 /// Makes them. Both are made before anything is written.
@@ -57,7 +54,6 @@ pub fn report(job: &ReportJob) -> anyhow::Result<ReportMade> {
         verdict: read.motion.verdict.clone(),
         lost: read.lost(),
         warnings: unread.into_iter().collect(),
-        bytes: Vec::new(),
     };
     let page = Page {
         scene: &read.scene,
@@ -66,7 +62,7 @@ pub fn report(job: &ReportJob) -> anyhow::Result<ReportMade> {
         provenance: &provenance,
         lost: &read.lost(),
     };
-    let mut files: Vec<(&Destination, String)> = Vec::new();
+    let mut files: Vec<(&Path, String)> = Vec::new();
     if let Some(to) = &job.page {
         files.push((to, html(&page).with_context(|| path.to_string())?));
     }
@@ -81,28 +77,21 @@ pub fn report(job: &ReportJob) -> anyhow::Result<ReportMade> {
     }
     check(&job.input, &files)?;
     for (to, text) in files {
-        match to {
-            Destination::File(output) => {
-                write_file(output, text.as_bytes())?;
-                made.outputs.push(output.display().to_string());
-            }
-            Destination::Caller => made.bytes = text.into_bytes(),
-        }
+        write_file(to, text.as_bytes())?;
+        made.outputs.push(to.display().to_string());
     }
     Ok(made)
 }
 
 /// Refuses files of one name, and the recording as one of them.
-fn check(input: &Path, files: &[(&Destination, String)]) -> anyhow::Result<()> {
+fn check(input: &Path, files: &[(&Path, String)]) -> anyhow::Result<()> {
     for (index, (to, _)) in files.iter().enumerate() {
         if files[..index].iter().any(|(other, _)| other == to) {
             bail!(
                 "page and picture would go to the same place, expected another name for one of them"
             );
         }
-        if let Destination::File(output) = to {
-            check_distinct(input, output)?;
-        }
+        check_distinct(input, to)?;
     }
     Ok(())
 }

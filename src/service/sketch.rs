@@ -4,7 +4,6 @@ mod keyframes;
 mod places;
 
 use std::ffi::OsStr;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
@@ -14,10 +13,10 @@ pub use self::keyframes::Density;
 use self::keyframes::Motion;
 use self::places::placed;
 use super::finish::{check_distinct, lost, open, warnings};
+use super::output::write_file;
 use crate::config::{scene_from_toml, sketch_from_csv, sketch_from_toml};
 use crate::ingest::SCENE_NAME;
 use crate::motion::{Scene, SketchRow, Stamp};
-use crate::write::atomic::AtomicFile;
 use crate::write::{RecordingWriter, csv_of_sketch, toml_of_sketch};
 
 /// The input of [`sketch`].
@@ -195,10 +194,7 @@ fn read(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched> 
         Kind::Csv => csv_of_sketch(&rows, scene),
         _ => toml_of_sketch(&rows, scene),
     };
-    let mut file = AtomicFile::create(output)?;
-    file.write_all(text.as_bytes())
-        .with_context(|| format!("{}: cannot write", output.display()))?;
-    file.commit()?;
+    write_file(output, text.as_bytes())?;
     Ok(account(job, output, (scene, &rows), notes))
 }
 

@@ -32,24 +32,14 @@ impl ExportFormat {
     }
 }
 
-/// Where an export goes.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ExportTo {
-    /// To the file with the ending of its format beside the recording.
-    Beside,
-    /// To that file, or files named after it.
-    File(PathBuf),
-    /// To whoever called.
-    Caller,
-}
-
 /// The input of [`export`](super::export).
 #[derive(Clone, Debug)]
 pub struct ExportJob {
     /// A recording with an estimate.
     pub input: PathBuf,
-    /// Where it goes.
-    pub to: ExportTo,
+    /// Where it goes: that file, files named after it, or [stdout](crate::service::is_pipe); by default the file with
+    /// the ending of its format beside the recording.
+    pub output: Option<PathBuf>,
     /// As what.
     pub format: ExportFormat,
     /// Frames a second.
@@ -79,7 +69,4 @@ pub struct Exported {
     pub lost: Vec<String>,
     /// What to know.
     pub warnings: Vec<String>,
-    /// What is not written to a file.
-    #[serde(skip)]
-    pub bytes: Vec<u8>,
 }
