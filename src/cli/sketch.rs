@@ -20,6 +20,7 @@ pub(super) fn run(arguments: SketchArguments) -> anyhow::Result<Exit> {
         scene: arguments.scene,
         density,
         is_estimated: arguments.estimated,
+        deadline: arguments.limits.deadline,
     };
     let sketched = match service::sketch(&job) {
         Ok(sketched) => sketched,

@@ -58,6 +58,7 @@ pub use from_urdf::{FromUrdfJob, UrdfImported, from_urdf};
 pub use import::{BodyLine, FlightLine, ImportJob, Imported, InputLine, import};
 pub use inspect::{Inspection, MarkLine, PoseLine, TopicLine, inspect};
 pub use mark::{MarkEdits, MarkJob, Marked, ProposalLine, mark};
+pub use output::write_file;
 pub use predict::{DEFAULT_PREDICTION_S, PredictJob, predict};
 pub use process::{Failure, ProcessJob, Processed, process};
 #[cfg(not(feature = "live"))]

@@ -9,7 +9,7 @@ use crate::write::WriteError;
 use crate::write::atomic::AtomicFile;
 
 /// Writes a file, whole or not at all.
-pub(super) fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+pub fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     write_to(AtomicFile::create(path)?, bytes)
 }
 

@@ -83,6 +83,22 @@ pub fn report(job: &ReportJob) -> anyhow::Result<ReportMade> {
     Ok(made)
 }
 
+/// A picture of the motion of an estimate, as an SVG file; `None` where it has no motion.
+#[cfg(feature = "live")]
+pub(super) fn picture(input: &Path, view: View) -> anyhow::Result<Option<String>> {
+    let read = ReadBack::open(input)?;
+    let (readings, _) = readings(&read);
+    let page = Page {
+        scene: &read.scene,
+        motion: &read.motion,
+        readings: &readings,
+        provenance: &read.provenance("enact capture"),
+        lost: &read.lost(),
+    };
+    let strobe = strobe_of(&page).with_context(|| input.display().to_string())?;
+    Ok(strobe.map(|strobe| strobe.file(view)))
+}
+
 /// Refuses files of one name, and the recording as one of them.
 fn check(input: &Path, files: &[(&Path, String)]) -> anyhow::Result<()> {
     for (index, (to, _)) in files.iter().enumerate() {

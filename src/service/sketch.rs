@@ -5,6 +5,7 @@ mod places;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use anyhow::{Context, bail};
 use serde::Serialize;
@@ -12,6 +13,7 @@ use serde::Serialize;
 pub use self::keyframes::Density;
 use self::keyframes::Motion;
 use self::places::placed;
+use super::deadline::Deadline;
 use super::finish::{check_distinct, lost, open, warnings};
 use super::output::write_file;
 use crate::config::{scene_from_toml, sketch_from_csv, sketch_from_toml};
@@ -32,6 +34,8 @@ pub struct SketchJob {
     pub density: Density,
     /// Whether they are of the motion that is estimated from it, instead of what was acted.
     pub is_estimated: bool,
+    /// How long reading and estimating may take; no limit by default.
+    pub deadline: Option<Duration>,
 }
 
 /// The result of [`sketch`].
@@ -169,7 +173,8 @@ fn write(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched>
 
 /// A recording becomes a written sketch.
 fn read(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched> {
-    let opened = open(&job.input, job.scene.as_deref())?;
+    let deadline = Deadline::begin(job.deadline);
+    let opened = open(&job.input, job.scene.as_deref(), deadline)?;
     let scene = &opened.scene;
     let written = opened.recording.sketch(scene)?;
     let (rows, notes) = match written {
@@ -180,9 +185,9 @@ fn read(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched> 
             let take = opened.recording.take(scene)?;
             let mut notes = (lost(&take.report), warnings(&take.report));
             let motion = if job.is_estimated {
-                let (motion, note) = Motion::estimated(scene, take.events)
+                let (motion, known) = Motion::estimated(scene, take.events, deadline)
                     .with_context(|| job.input.display().to_string())?;
-                notes.1.extend(note);
+                notes.1.extend(known);
                 motion
             } else {
                 Motion::acted(scene, &take.events)

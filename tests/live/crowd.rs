@@ -125,6 +125,37 @@ fn viewers_that_do_not_read_are_bounded_in_number_and_in_memory_and_sent_away() 
     daemon.end();
 }
 
+/// What is sent in answer to what a viewer says waits for one that reads nothing; it is not to gather.
+#[test]
+fn pings_of_one_who_does_not_read_cost_nothing() {
+    let house = House::new();
+    let mut daemon = Daemon::start(&house, SCENE, &["--viewer-port", "0"]);
+    let shown = daemon.ready["viewer"].as_str().expect("served").to_owned();
+    let mut ping = vec![0x89, 0x80 | 125, 0, 0, 0, 0];
+    ping.extend([b'x'; 125]);
+    let pings = ping.repeat(1000);
+    let before = daemon.memory_bytes();
+    let (mut most, mut sent) = (0, 0);
+    let mut stream = connect(&shown);
+    let hello = upgrade(Some("foxglove.sdk.v1"));
+    stream.write_all(hello.as_bytes()).expect("write");
+    let wait = Some(Duration::from_millis(500));
+    stream.set_write_timeout(wait).expect("set");
+    // Until no more is taken, or far more is than may be kept.
+    while sent < 16 * MEMORY_BYTES && stream.write_all(&pings).is_ok() {
+        sent += pings.len() as u64;
+        most = most.max(daemon.memory_bytes().saturating_sub(before));
+    }
+    most = most.max(daemon.memory_bytes().saturating_sub(before));
+    assert!(
+        most < MEMORY_BYTES / 4,
+        "{} MiB of {} MiB",
+        most >> 20,
+        sent >> 20
+    );
+    daemon.end();
+}
+
 #[test]
 fn unfinished_frames_cost_what_they_have_sent() {
     let house = House::new();

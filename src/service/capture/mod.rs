@@ -126,6 +126,8 @@ mod naming;
 mod notice;
 mod notify;
 mod origin;
+#[cfg(any(test, fuzzing))]
+pub mod peers;
 mod preroll;
 mod presence;
 mod previewer;

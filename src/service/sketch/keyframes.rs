@@ -2,6 +2,8 @@
 
 use anyhow::bail;
 
+use super::super::deadline::Deadline;
+use super::super::stopwatch::{Progress, Stopwatch};
 use crate::motion::{
     ArcEstimate, EventKind, Keyframe, Mark, Scene, SketchRow, Stamp, TakeEvent, Timing, TrackIndex,
     Verdict,
@@ -96,8 +98,11 @@ impl Motion {
     pub(super) fn estimated(
         scene: &Scene,
         events: Vec<TakeEvent>,
-    ) -> anyhow::Result<(Self, Option<String>)> {
-        let outcome = Pipeline::of(scene.clone(), events).finish(&mut ())?;
+        deadline: Deadline,
+    ) -> anyhow::Result<(Self, Vec<String>)> {
+        let mut stopwatch = Stopwatch::start(deadline, Progress::Shown);
+        let outcome = Pipeline::of(scene.clone(), events).finish(&mut stopwatch)?;
+        let has_ended_early = stopwatch.has_ended_it();
         let estimate = &outcome.estimate;
         if estimate.verdict == Verdict::Failed {
             bail!("no motion is found; `replay` says why");
@@ -152,7 +157,10 @@ impl Motion {
         let note = matches!(scene.timing, Timing::Unknown { .. }).then(|| {
             "its times are physical: read it with `stamps = \"physical\"` in the scene".to_owned()
         });
-        Ok((Self { flights, marks }, note))
+        let early =
+            has_ended_early.then(|| "ended at its deadline with the best motion so far".to_owned());
+        let notes = note.into_iter().chain(early).collect();
+        Ok((Self { flights, marks }, notes))
     }
 
     /// The chosen keyframes with the marks, in order of time, which begins with the first.

@@ -1,0 +1,121 @@
+//! Few descriptors, and none: trackers and takes go on, viewers are refused, and health says what cannot be done.
+
+use std::collections::BTreeSet;
+
+use rustix::process::{Pid, Resource, Rlimit, prlimit};
+
+use super::SCENE;
+use super::harness::{Daemon, House, Patience, ended};
+use super::health::{wait, wait_for_red};
+use super::page::{state, wait as wait_for_state};
+use super::socket::{Viewer, get, post};
+
+const LOAD: [&str; 7] = [
+    "--load",
+    "1",
+    "--names",
+    "pencil",
+    "--rate-hz",
+    "500",
+    "--seconds",
+];
+
+const PORTS: [&str; 4] = ["--metrics-port", "0", "--viewer-port", "0"];
+
+#[test]
+fn with_few_descriptors_viewers_are_refused_and_takes_are_whole() {
+    let house = House::new();
+    // Some more than are reserved.
+    let mut daemon = Daemon::start_with_descriptors(&house, SCENE, &PORTS, 320);
+    let shown = daemon.ready["viewer"].as_str().expect("served").to_owned();
+    let url = daemon.ready["metrics"].as_str().expect("served").to_owned();
+    let (mut served, mut refused) = (Vec::new(), 0);
+    for _ in 0..60 {
+        match Viewer::open(&shown, 8) {
+            Ok(viewer) => served.push(viewer),
+            Err(head) => {
+                assert!(head.contains("503"), "{head}");
+                refused += 1;
+            }
+        }
+    }
+    assert!(served.len() <= 12 && refused >= 48, "{refused} refused");
+    assert_eq!(get(&url, "/health").0, 200);
+    let sent = house.tracker(&[&LOAD[..], &["2", "--take"]].concat());
+    let closed = daemon.wait_for("closed");
+    assert_eq!(
+        closed["counts"]["trackers"][0]["counts"]["received"],
+        sent["poses"]
+    );
+    assert_eq!(closed["counts"]["trackers"][0]["counts"]["missing"], 0);
+    daemon.end();
+}
+
+/// Sets the limit of a process so that it gets no descriptor more; what it was.
+fn exhaust(process: u32) -> Rlimit {
+    let numbers = std::fs::read_dir(format!("/proc/{process}/fd")).expect("its descriptors");
+    let numbers = numbers
+        .flatten()
+        .filter_map(|entry| entry.file_name().to_str()?.parse().ok());
+    let numbers: BTreeSet<u64> = numbers.collect();
+    let free = (0..).find(|number| !numbers.contains(number));
+    limit(
+        process,
+        Rlimit {
+            current: free,
+            maximum: None,
+        },
+    )
+}
+
+fn limit(process: u32, new: Rlimit) -> Rlimit {
+    let process = Pid::from_raw(process as i32).expect("a process");
+    let old = rustix::process::getrlimit(Resource::Nofile);
+    let maximum = old.maximum;
+    prlimit(Some(process), Resource::Nofile, Rlimit { maximum, ..new }).expect("its limit")
+}
+
+#[test]
+fn with_no_descriptor_left_a_take_goes_on_and_health_says_that_none_can_begin() {
+    let house = House::new();
+    let mut daemon = Daemon::start(&house, SCENE, &PORTS);
+    let url = daemon.ready["metrics"].as_str().expect("served").to_owned();
+    let own = Some(url.as_str());
+    let order = |json: &str| post(&url, "/take", own, json).0;
+    let is_recording = |now: &serde_json::Value| now["status"]["messages"].as_u64() > Some(100);
+    assert_eq!(order(r#"{"command":"start"}"#), 202);
+    let tracker = house.spawn_tracker(&[&LOAD[..], &["4"]].concat());
+    wait_for_state(&url, "samples come", is_recording);
+    let before = exhaust(daemon.id());
+    wait_for_red(&url, "Too many open files");
+    let during = state(&url)["status"]["messages"].as_u64();
+    let sent = ended(tracker);
+    assert!(sent.status.success());
+    // All of it is in the take.
+    wait_for_state(&url, "the rest of the samples", |now| {
+        now["status"]["counts"]["trackers"][0]["counts"]["received"] == 2000
+    });
+    assert!(during < Some(2000), "the limit came after the samples");
+    assert_eq!(order(r#"{"command":"stop"}"#), 202);
+    let closed = daemon.wait_for("closed");
+    assert_eq!(closed["counts"]["trackers"][0]["counts"]["received"], 2000);
+    assert_eq!(closed["counts"]["trackers"][0]["counts"]["missing"], 0);
+    let recording = house.path(closed["recording"].as_str().expect("a path"));
+    let read = enact::ingest::Recording::open(&recording).expect("open");
+    assert!(!read.container().damages().is_loss());
+    // One that cannot begin is said to be broken, and the daemon lives.
+    wait_for_state(&url, "no take runs", |now| now["status"]["take"].is_null());
+    assert_eq!(order(r#"{"command":"start"}"#), 202);
+    let broken = daemon.wait_for("broken");
+    let error = broken["error"].as_str().expect("words");
+    assert!(error.contains("Too many open files"), "{error}");
+    wait_for_red(&url, "take 2 could not be recorded");
+    limit(daemon.id(), before);
+    let patience = Patience::new();
+    while order(r#"{"command":"start"}"#) != 202 {
+        patience.check("a take begins again");
+    }
+    wait(&url, 200);
+    daemon.terminate();
+    assert_eq!(daemon.finished(), Some(3));
+}
