@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Duration;
 
-use tokio::io::{AsyncReadExt, AsyncWriteExt, DuplexStream};
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt, DuplexStream};
 use tokio::runtime::Runtime;
 use tokio::sync::{Semaphore, watch};
 
@@ -27,7 +27,7 @@ const WAY_BYTES: usize = 1 << 10;
 pub const REQUEST_BYTES: usize = HEAD_BYTES + BODY_BYTES + 4 * WAY_BYTES;
 
 /// The most that is taken of a peer before it has become a viewer.
-pub const HANDSHAKE_BYTES: usize = 64 << 10;
+pub const HANDSHAKE_BYTES: usize = (64 << 10) + 4 * WAY_BYTES;
 
 /// A viewer's request to become one, as a program says it.
 pub const HANDSHAKE: &[u8] = b"GET / HTTP/1.1\r\nHost: localhost:8765\r\nUpgrade: websocket\r\n\
@@ -43,6 +43,26 @@ pub struct Met {
     pub taken: usize,
     /// How many orders were handed on.
     pub orders: usize,
+}
+
+/// Says it, as far as it is taken; how much is.
+async fn say(to: &mut (impl AsyncWrite + Unpin), bytes: &[u8]) -> usize {
+    let mut taken = 0;
+    for part in bytes.chunks(WAY_BYTES / 2) {
+        if to.write_all(part).await.is_err() {
+            break;
+        }
+        taken += part.len();
+    }
+    taken
+}
+
+/// Hears the head of an answer, or what there is of it.
+async fn hear_head(from: &mut (impl AsyncRead + Unpin), sent: &mut Vec<u8>) {
+    let mut byte = [0];
+    while !sent.ends_with(b"\r\n\r\n") && from.read_exact(&mut byte).await.is_ok() {
+        sent.push(byte[0]);
+    }
 }
 
 /// A daemon's servers of a scene, without its ports.
@@ -94,11 +114,12 @@ impl Ports {
             // A peer that has gone is not answered.
             let _ = self.pages.answer(ours, waiting, &self.answered).await;
         };
-        self.meets(bytes, serve, theirs)
+        self.meets((bytes, &[]), serve, theirs)
     }
 
-    /// A peer at the viewers' port that says this and then no more, while messages are shown.
-    pub fn watches(&self, bytes: &[u8]) -> Met {
+    /// A peer at the viewers' port that says the first, then once it is answered the second and then no more, while
+    /// messages are shown.
+    pub fn watches(&self, handshake: &[u8], then: &[u8]) -> Met {
         let (ours, theirs) = tokio::io::duplex(WAY_BYTES);
         let is_over = AtomicBool::new(false);
         let serve = async {
@@ -114,7 +135,7 @@ impl Ports {
         let both = async {
             tokio::join!(serve, show);
         };
-        self.meets(bytes, both, theirs)
+        self.meets((handshake, then), both, theirs)
     }
 
     /// Whether nobody watches, and no place is taken.
@@ -132,6 +153,7 @@ impl Ports {
             let (mut taken, mut at) = (0, 0);
             let flood = async {
                 theirs.write_all(HANDSHAKE).await.expect("taken");
+                hear_head(&mut theirs, &mut Vec::new()).await;
                 while taken < most {
                     let waits = async {
                         for _ in 0..TURNS {
@@ -151,31 +173,41 @@ impl Ports {
                     }
                 }
             };
-            tokio::select! {
-                () = &mut serve => {}
-                () = flood => {}
+            let has_gone = tokio::select! {
+                () = &mut serve => true,
+                () = flood => false,
+            };
+            drop(theirs);
+            if !has_gone {
+                serve.await;
             }
             taken
         })
     }
 
     /// Runs both sides to their ends, which a server reaches when its peer has no more to say.
-    fn meets(&self, bytes: &[u8], serve: impl Future<Output = ()>, peer: DuplexStream) -> Met {
-        let (mut from, mut to) = tokio::io::split(peer);
+    fn meets(
+        &self,
+        (first, then): (&[u8], &[u8]),
+        serve: impl Future<Output = ()>,
+        mut peer: DuplexStream,
+    ) -> Met {
         let (mut sent, mut taken) = (Vec::new(), 0);
-        let said = async {
-            for part in bytes.chunks(WAY_BYTES / 2) {
-                if to.write_all(part).await.is_err() {
-                    break;
-                }
-                taken += part.len();
+        let peer = async {
+            if !then.is_empty() {
+                taken += say(&mut peer, first).await;
+                hear_head(&mut peer, &mut sent).await;
             }
-            let _ = to.shutdown().await;
+            let (mut from, mut to) = tokio::io::split(peer);
+            let rest = if then.is_empty() { first } else { then };
+            let said = async {
+                taken += say(&mut to, rest).await;
+                let _ = to.shutdown().await;
+            };
+            let heard = from.read_to_end(&mut sent);
+            let _ = tokio::join!(said, heard);
         };
-        let heard = async {
-            let _ = from.read_to_end(&mut sent).await;
-        };
-        let both = async { tokio::join!(serve, said, heard) };
+        let both = async { tokio::join!(serve, peer) };
         let ended = self
             .runtime
             .block_on(async { tokio::time::timeout(Duration::from_secs(60), both).await });
