@@ -121,22 +121,30 @@ impl Gate {
 
     /// Accepts the next connection, in the place of the spare descriptor if there is no other.
     async fn accept(&self, listener: &TcpListener) -> io::Result<TcpStream> {
-        self.hold_spare();
-        match listener.accept().await {
-            Err(error) if is_exhausted(&error) && self.let_go() => {
-                listener.accept().await.map(|(stream, _)| stream)
+        loop {
+            let is_ready = self.hold_spare();
+            tokio::select! {
+                accepted = listener.accept() => return match accepted {
+                    Err(error) if is_exhausted(&error) && self.let_go() => {
+                        listener.accept().await.map(|(stream, _)| stream)
+                    }
+                    accepted => accepted.map(|(stream, _)| stream),
+                },
+                // It may be had again once a connection is closed.
+                () = tokio::time::sleep(PAUSE), if !is_ready => {}
             }
-            accepted => accepted.map(|(stream, _)| stream),
         }
     }
 
-    fn hold_spare(&self) {
-        if let Some(spare) = &self.spare
-            && let Ok(mut spare) = spare.lock()
-            && spare.is_none()
-        {
+    /// Takes a descriptor to spare, if one is wanted and missing; whether none is missing then.
+    fn hold_spare(&self) -> bool {
+        let Some(Ok(mut spare)) = self.spare.as_ref().map(Mutex::lock) else {
+            return true;
+        };
+        if spare.is_none() {
             *spare = File::open("/dev/null").ok();
         }
+        spare.is_some()
     }
 
     /// Closes the spare descriptor; whether there was one.
