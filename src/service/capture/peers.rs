@@ -65,6 +65,21 @@ async fn hear_head(from: &mut (impl AsyncRead + Unpin), sent: &mut Vec<u8>) {
     }
 }
 
+/// What comes of it; `None` where nothing has come after so many turns of all others that nothing will.
+async fn unless_for_ever<T>(of: impl Future<Output = T>) -> Option<T> {
+    const TURNS: usize = 1000;
+    let turns = async {
+        for _ in 0..TURNS {
+            tokio::task::yield_now().await;
+        }
+    };
+    tokio::select! {
+        biased;
+        what = of => Some(what),
+        () = turns => None,
+    }
+}
+
 /// A daemon's servers of a scene, without its ports.
 pub struct Ports {
     runtime: Runtime,
@@ -143,34 +158,23 @@ impl Ports {
         self.audience.is_empty()
     }
 
-    /// How much is taken of a viewer that says this again and again, and reads nothing.
+    /// How much is taken of a viewer that says this again and again, and after the greeting reads nothing.
     pub fn floods(&self, bytes: &[u8], most: usize) -> usize {
-        /// Turns after which one who waits for another waits for ever.
-        const TURNS: usize = 1000;
         self.runtime.block_on(async {
             let (ours, mut theirs) = tokio::io::duplex(WAY_BYTES);
             let mut serve = std::pin::pin!(self.audience.serve(ours));
             let (mut taken, mut at) = (0, 0);
             let flood = async {
                 theirs.write_all(HANDSHAKE).await.expect("taken");
-                hear_head(&mut theirs, &mut Vec::new()).await;
+                let mut part = [0; WAY_BYTES];
+                while let Some(Ok(1..)) = unless_for_ever(theirs.read(&mut part)).await {}
                 while taken < most {
-                    let waits = async {
-                        for _ in 0..TURNS {
-                            tokio::task::yield_now().await;
-                        }
+                    let written = unless_for_ever(theirs.write(&bytes[at..])).await;
+                    let Some(Ok(length)) = written else {
+                        return;
                     };
-                    tokio::select! {
-                        biased;
-                        written = theirs.write(&bytes[at..]) => match written {
-                            Ok(length) => {
-                                taken += length;
-                                at = (at + length) % bytes.len();
-                            }
-                            Err(_) => return,
-                        },
-                        () = waits => return,
-                    }
+                    taken += length;
+                    at = (at + length) % bytes.len();
                 }
             };
             let has_gone = tokio::select! {
