@@ -72,12 +72,12 @@ pub(super) fn entry(path: &Path) -> TakeEntry {
         estimate: estimate.as_ref().map(|of| of.display().to_string()),
         ..TakeEntry::default()
     };
-    let read = read_take(path, &mut found);
-    let read = read.and_then(|()| match &estimate {
+    let take = read_take(path, &mut found);
+    let verdict = match &estimate {
         Some(estimate) => read_verdict(estimate, &mut found),
         None => Ok(()),
-    });
-    found.error = read.err().map(|error| words(&error));
+    };
+    found.error = take.and(verdict).err().map(|error| words(&error));
     found
 }
 
