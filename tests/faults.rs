@@ -9,6 +9,8 @@
     any(target_arch = "x86_64", target_arch = "aarch64")
 ))]
 
+#[path = "faults/commands.rs"]
+mod commands;
 #[path = "faults/desk.rs"]
 mod desk;
 #[path = "recover/journals.rs"]
@@ -16,8 +18,6 @@ mod desk;
 mod journals;
 #[path = "faults/live.rs"]
 mod live;
-
-use std::path::Path;
 
 use desk::{Desk, Run};
 use journals::journal;
@@ -115,77 +115,4 @@ fn a_recovery_that_fails_at_any_call_deletes_nothing_and_can_be_repeated() {
     assert!(fired > 40, "{fired} faults");
     let fired = random(18, 150, fails);
     assert!(fired > 50, "{fired} faults");
-}
-
-/// Files that a command writes: the old ones, or the new ones whole.
-fn check_output(arguments: &[&str], output: &str, inputs: &[(&str, &[u8])], seed: u64) {
-    const OLD: &[u8] = b"what was there before";
-    let new_desk = || {
-        let desk = Desk::new()?;
-        for (name, bytes) in inputs {
-            desk.put(name, bytes);
-        }
-        desk.put(output, OLD);
-        Some(desk)
-    };
-    let Some(desk) = new_desk() else {
-        return;
-    };
-    assert_eq!(desk.run(arguments, "").code, Some(0));
-    let expected = desk.files();
-    let fails = |faults: &str| {
-        let desk = new_desk().expect("a desk");
-        let Run { code, fired, said } = desk.run(arguments, faults);
-        let mut left = desk.files();
-        let found = left.remove(output).expect("the output");
-        let is_new = found == expected[output];
-        assert!(is_new || found == OLD, "{faults}: neither old nor new");
-        assert!(code != Some(0) || is_new, "{faults}: not written: {said}");
-        assert!(
-            matches!(code, None | Some(0 | 1)),
-            "{faults}: {code:?}: {said}"
-        );
-        for (name, bytes) in inputs {
-            let is_same = left.remove(*name).is_some_and(|left| left == *bytes);
-            assert!(is_same, "{faults}: {name} was changed");
-        }
-        // Who is killed, or may not remove a file, leaves a temporary one.
-        let may_leave = code.is_none() || faults.contains("unlink");
-        assert!(left.is_empty() || may_leave, "{faults}: {:?}", left.keys());
-        assert!(left.keys().all(|name| name.starts_with(".enact-")));
-        fired
-    };
-    let fired = every(fails);
-    assert!(fired > 20, "{fired} faults");
-    random(seed, 60, fails);
-}
-
-fn recording() -> Vec<u8> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    std::fs::read(root.join("recordings/pencil_tip.mcap")).expect("a recording")
-}
-
-#[test]
-fn a_sketch_that_fails_at_any_call_is_the_old_or_the_new_one() {
-    let arguments = ["sketch", "in.mcap", "-o", "out.csv", "--per-flight", "4"];
-    check_output(&arguments, "out.csv", &[("in.mcap", &recording())], 4);
-}
-
-#[test]
-fn an_export_that_fails_at_any_call_is_the_old_or_the_new_one() {
-    let Some(desk) = Desk::new() else {
-        return;
-    };
-    desk.put("in.mcap", &recording());
-    let made = desk.run(&["replay", "in.mcap", "-o", "estimate.mcap"], "");
-    assert_eq!(made.code, Some(0), "{}", made.said);
-    let estimate = desk.files().remove("estimate.mcap").expect("an estimate");
-    let arguments = ["export", "estimate.mcap", "--to", "glb", "-o", "out.glb"];
-    check_output(&arguments, "out.glb", &[("estimate.mcap", &estimate)], 5);
-}
-
-#[test]
-fn an_estimate_that_fails_at_any_call_is_the_old_or_the_new_one() {
-    let arguments = ["replay", "in.mcap", "-o", "out.mcap"];
-    check_output(&arguments, "out.mcap", &[("in.mcap", &recording())], 6);
 }

@@ -4,6 +4,8 @@
 
 #[path = "hostile/inside.rs"]
 mod inside;
+#[path = "hostile/long.rs"]
+mod long;
 #[path = "hostile/mcap.rs"]
 mod mcap;
 #[path = "hostile/run.rs"]
@@ -65,11 +67,20 @@ const INSPECT: &[&str] = &["inspect", "IN"];
 const PROCESS: &[&str] = &["process", "IN", "-o", "OUT", "--deadline", "10s"];
 const MARK: &[&str] = &["mark", "IN", "--propose"];
 const EXPORT: &[&str] = &["export", "IN", "--to", "csv", "-o", "OUT"];
+const REPORT: &[&str] = &["report", "IN", "-o", "OUT"];
+const PREDICT: &[&str] = &["predict", "IN", "-o", "OUT", "--deadline", "10s"];
+const SKETCH: &[&str] = &["sketch", "IN", "-o", "OUT.csv"];
+const IMPORT: &[&str] = &["import", "IN", "-o", "OUT"];
+const PIVOT: &[&str] = &["calibrate", "pivot", "IN", "-o", "OUT.toml"];
+const GRAVITY: &[&str] = &["calibrate", "gravity", "IN", "-o", "OUT.toml"];
+const REST: &[&str] = &["calibrate", "rest", "IN", "-o", "OUT.toml"];
 const RECOVER: &[&str] = &["recover", "IN"];
 
 /// All commands that read recordings; returns what `inspect` said.
 fn costs(bytes: &[u8]) -> Cost {
-    for command in [PROCESS, MARK, EXPORT] {
+    for command in [
+        PROCESS, PREDICT, MARK, SKETCH, IMPORT, EXPORT, REPORT, PIVOT, GRAVITY, REST,
+    ] {
         cost("take.mcap", bytes, command);
     }
     cost("take.mcap.part", bytes, RECOVER);

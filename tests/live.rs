@@ -7,6 +7,8 @@ use foxglove::messages::{FrameTransforms, PoseInFrame, SceneUpdate};
 
 #[path = "live/crowd.rs"]
 mod crowd;
+#[path = "live/descriptors.rs"]
+mod descriptors;
 #[allow(dead_code)]
 #[path = "capture/harness.rs"]
 mod harness;

@@ -99,6 +99,38 @@ fn recordings_go_through_pipes() {
     assert_eq!(std::fs::read_dir(_folder.path()).expect("list").count(), 1);
 }
 
+/// Stdout has the very bytes that the file would have, and nothing of the account.
+#[test]
+fn what_goes_to_stdout_is_the_file_alone() {
+    let (_folder, at) = folder();
+    let input = recording("pencil_tip.mcap");
+    let commands: [(&str, &[&str]); 5] = [
+        ("in.mcap", &["mark", &input, "--add", "0.5"]),
+        ("in.mcap", &["import", &input, "--start", "0.1"]),
+        ("in.mcap", &["predict", &input, "--limit", "0.1"]),
+        ("in.toml", &["scene", "new", "die"]),
+        ("in.glb", &["export", &at("estimate.mcap"), "--to", "glb"]),
+    ];
+    let (code, _, said) = ran(&["replay", &input, "-o", &at("estimate.mcap")]);
+    assert_eq!(code, 0, "{said}");
+    for (name, command) in commands {
+        for format in ["text", "ndjson"] {
+            let _ = std::fs::remove_file(at(name));
+            let to = |output: &str| {
+                let more = ["--format", format, "-o", output];
+                enact(&[command, &more].concat()).output().expect("run")
+            };
+            let (file, pipe) = (to(&at(name)), to("-"));
+            assert_eq!(file.status.code(), pipe.status.code(), "{command:?}");
+            let written = std::fs::read(at(name)).expect("written");
+            // The glTF names the command that made it.
+            let is_same = pipe.stdout == written || name == "in.glb";
+            assert!(is_same && pipe.stdout.len() > 100, "{command:?} {format}");
+            assert_eq!(pipe.stdout[..4], written[..4], "{command:?} {format}");
+        }
+    }
+}
+
 #[test]
 fn estimates_among_recordings_are_left_alone_and_a_summary_ends_the_account() {
     let (_folder, at) = folder();

@@ -11,7 +11,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-targets=(reader scene sketch urdf recover merge replay)
+targets=(reader scene sketch urdf recover merge replay peers)
 folder="${CARGO_TARGET_DIR:-target}/fuzz"
 host="$(rustc -vV | sed -n 's/^host: //p')"
 
@@ -33,6 +33,7 @@ seeds() { # TARGET
     scene) cp config/*.toml "$corpus" ;;
     sketch) cp tools/fuzz/seeds/*.csv "$corpus" ;;
     urdf) cp tools/fuzz/seeds/*.urdf "$corpus" ;;
+    peers) cp tools/fuzz/seeds/*.peer "$corpus" ;;
     *) cp tools/fuzz/seeds/*.mcap recordings/chain.mcap "$corpus" ;;
     esac
 }

@@ -24,6 +24,9 @@ const FALL: f64 = 40.0;
 /// Further flights fall by at least this share of what the longest does.
 const SHARE: f64 = 0.3;
 
+/// Windows of fewer samples are tried one by one.
+const LONG: usize = 1024;
+
 /// How much the acceleration of further flights may differ from the first's.
 pub(super) const ALIKE: f64 = 0.2;
 
@@ -50,18 +53,23 @@ pub fn flights(stream: &Stream, point_m: &Vector3<f64>) -> Vec<Range<usize>> {
     let noise = noise(&places);
     let times: Vec<f64> = stream.readings.iter().map(|of| of.time_s).collect();
     let mut windows: Vec<Window> = Vec::new();
-    let mut end = LEAST;
-    for start in 0..places.len().saturating_sub(LEAST - 1) {
+    let count = places.len();
+    let (mut start, mut end) = (0, LEAST);
+    while start + LEAST <= count {
         end = end.max(start + LEAST);
         // The longest that begins here: once a window is no parabola, no longer one is.
         let mut longest = None;
-        while end <= places.len() {
+        while end <= count {
             match parabola(&times[start..end], &places[start..end], noise) {
                 Some(acceleration) => longest = Some((end, acceleration)),
                 None => break,
             }
-            end += 1;
+            end = match end == count {
+                true => count + 1,
+                false => (end + step(end - start)).min(count),
+            };
         }
+        let length = longest.map_or(0, |(end, _)| end - start);
         if let Some((end, acceleration)) = longest {
             let duration_s = times[end - 1] - times[start];
             let size = acceleration.norm();
@@ -76,8 +84,14 @@ pub fn flights(stream: &Stream, point_m: &Vector3<f64>) -> Vec<Range<usize>> {
                 });
             }
         }
+        start += step(length);
     }
     chosen(windows)
+}
+
+/// From one window to the next: a sample, or of long windows a part of their length that does not count.
+fn step(length: usize) -> usize {
+    1 + length / LONG
 }
 
 /// The window that is pulled most, then others that do not overlap and fall alike.

@@ -89,6 +89,11 @@ impl Spread {
     }
 }
 
+/// Lags that are looked at one by one. Greater ones are in pairs of means of two samples, greater ones yet of
+/// four, and so on: what is correlated so long changes little from one to the next, and the work is
+/// proportional to the number of samples.
+const LAGS: usize = 1024;
+
 /// `1 + 2 Σ f(ρ_k)` of the autocorrelation, up to a lag of five times itself (Sokal's window): beyond
 /// that the sum is noise.
 pub(super) fn correlation_time<const N: usize>(
@@ -100,25 +105,38 @@ pub(super) fn correlation_time<const N: usize>(
     for residual in residuals {
         (0..N).for_each(|axis| mean[axis] += residual[axis] / count as f64);
     }
-    let product = |a: &[f64; N], b: &[f64; N]| -> f64 {
-        (0..N)
-            .map(|axis| (a[axis] - mean[axis]) * (b[axis] - mean[axis]))
-            .sum()
-    };
-    let square: f64 = residuals.iter().map(|r| product(r, r)).sum();
+    let product =
+        |a: &[f64; N], b: &[f64; N]| -> f64 { (0..N).map(|axis| a[axis] * b[axis]).sum() };
+    let centred = residuals.iter();
+    let mut series: Vec<[f64; N]> = centred
+        .map(|of| std::array::from_fn(|axis| of[axis] - mean[axis]))
+        .collect();
+    let square: f64 = series.iter().map(|r| product(r, r)).sum();
     if !(square > 0.0) {
         return 1.0;
     }
-    let mut sum = 1.0;
-    for lag in 1..count / 2 {
-        let pairs = residuals.iter().zip(&residuals[lag..]);
-        let covariance: f64 = pairs.map(|(a, b)| product(a, b)).sum();
-        sum += 2.0 * of(covariance / square);
-        if lag as f64 >= 5.0 * sum {
-            break;
+    let (mut sum, mut width) = (1.0_f64, 1);
+    let mut steps = 1..LAGS;
+    loop {
+        for step in steps {
+            let lag = step * width;
+            if lag >= count / 2 {
+                return sum.max(1.0);
+            }
+            let pairs = series.iter().zip(&series[step..]);
+            let covariance: f64 = pairs.map(|(a, b)| product(a, b)).sum();
+            sum += 2.0 * width as f64 * of(covariance * width as f64 / square);
+            if lag as f64 >= 5.0 * sum {
+                return sum.max(1.0);
+            }
         }
+        let mean_of = |pair: &[[f64; N]]| -> [f64; N] {
+            std::array::from_fn(|axis| 0.5 * (pair[0][axis] + pair[1][axis]))
+        };
+        series = series.chunks_exact(2).map(mean_of).collect();
+        width *= 2;
+        steps = LAGS / 2..LAGS;
     }
-    sum.max(1.0)
 }
 
 /// Covariance by the delete-block jackknife, `(K − 1)/K Σ (θ_(b) − θ)(θ_(b) − θ)ᵀ`.
@@ -152,6 +170,41 @@ mod tests {
             let time = correlation_time(&series, |rho| rho);
             let expected = (1.0 + phi) / (1.0 - phi);
             assert!((time / expected - 1.0).abs() < 0.25, "{phi}: {time}");
+        }
+    }
+
+    /// Correlated over thousands of samples, of which there are many: as by the sum over every lag.
+    #[test]
+    fn long_correlations_are_found_by_their_means() {
+        let mut random = Random::default();
+        let (mut x, phi) = (0.0, 0.999);
+        let series: Vec<[f64; 1]> = (0..60_000)
+            .map(|_| {
+                x = phi * x + random.normal();
+                [x]
+            })
+            .collect();
+        let square: f64 = {
+            let mean = series.iter().map(|x| x[0]).sum::<f64>() / series.len() as f64;
+            series.iter().map(|x| (x[0] - mean).powi(2)).sum()
+        };
+        let mean = series.iter().map(|x| x[0]).sum::<f64>() / series.len() as f64;
+        let every = |of: fn(f64) -> f64| {
+            let mut sum = 1.0;
+            for lag in 1..series.len() / 2 {
+                let pairs = series.iter().zip(&series[lag..]);
+                let covariance: f64 = pairs.map(|(a, b)| (a[0] - mean) * (b[0] - mean)).sum();
+                sum += 2.0 * of(covariance / square);
+                if lag as f64 >= 5.0 * sum {
+                    break;
+                }
+            }
+            sum
+        };
+        for of in [(|rho| rho) as fn(f64) -> f64, |rho| rho * rho] {
+            let (found, expected) = (correlation_time(&series, of), every(of));
+            assert!(expected > 300.0, "{expected} is short");
+            assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected}");
         }
     }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::arguments::Format;
 use super::arguments::{CalibrateCommand, Common, SceneCalibratedArguments};
 use super::exit::Exit;
-use super::output;
+use super::output::{self, Account};
 use super::process::print_failure;
 use super::table::table;
 use crate::service::{
@@ -57,6 +57,7 @@ fn calibrate(
     kind: CalibrateKind,
     common: Common,
 ) -> anyhow::Result<Exit> {
+    let said = Account::new(common.format, common.output.as_deref());
     let names: Vec<String> = inputs
         .iter()
         .map(|input| input.display().to_string())
@@ -76,13 +77,14 @@ fn calibrate(
     let found = match service::calibrate(&job) {
         Ok(found) => found,
         Err(error) => {
-            print_failure(&names.join(", "), &error, common.format)?;
+            print_failure(&names.join(", "), &error, said.of_failure())?;
             return Ok(Exit::Error);
         }
     };
     match (common.format, &found.output) {
-        (Format::Ndjson, _) => output::print_json("enact.calibration/1", &found)?,
-        (Format::Text, Some(_)) => output::print(&text(&found))?,
+        (Format::Ndjson, _) | (_, Some(_)) => {
+            said.print(("enact.calibration/1", &found), |_| text(&found))?;
+        }
         (Format::Text, None) => {
             output::print(&found.toml)?;
             for line in found.lost.iter().chain(&found.calibration.against) {
@@ -163,6 +165,7 @@ fn short(number: f64) -> String {
 /// `scene calibrated`.
 pub(super) fn scene(arguments: SceneCalibratedArguments) -> anyhow::Result<Exit> {
     let scene = arguments.scene.display().to_string();
+    let said = Account::new(arguments.format, arguments.output.as_deref());
     let job = CalibrateSceneJob {
         scene: arguments.scene,
         calibrations: arguments.calibrations,
@@ -171,13 +174,14 @@ pub(super) fn scene(arguments: SceneCalibratedArguments) -> anyhow::Result<Exit>
     let made = match service::calibrate_scene(&job) {
         Ok(made) => made,
         Err(error) => {
-            print_failure(&scene, &error, arguments.format)?;
+            print_failure(&scene, &error, said.of_failure())?;
             return Ok(Exit::Error);
         }
     };
     match (arguments.format, &made.output) {
-        (Format::Ndjson, _) => output::print_json("enact.calibrated_scene/1", &made)?,
-        (Format::Text, Some(_)) => output::print(&changes(&made))?,
+        (Format::Ndjson, _) | (_, Some(_)) => {
+            said.print(("enact.calibrated_scene/1", &made), |_| changes(&made))?;
+        }
         (Format::Text, None) => {
             output::print(&made.toml)?;
             for line in &made.against {

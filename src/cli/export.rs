@@ -1,20 +1,17 @@
 //! `export`: the motion of an estimate for other programs.
 
-use super::arguments::{ExportArguments, Format, Target};
+use super::arguments::{ExportArguments, Target};
 use super::exit::Exit;
-use super::output;
+use super::output::{self, Account};
 use super::process::print_failure;
-use super::report::destination;
-use crate::service::{self, Destination, ExportFormat, ExportJob, Exported};
+use crate::service::{self, ExportFormat, ExportJob, Exported};
 
 pub(super) fn run(arguments: ExportArguments) -> anyhow::Result<Exit> {
     let input = arguments.input.display().to_string();
-    let to = arguments.output.map_or(Destination::Beside, destination);
-    let is_piped = to == Destination::Caller;
-    let format = arguments.format.of_failure(is_piped);
+    let said = Account::new(arguments.format, arguments.output.as_deref());
     let job = ExportJob {
         input: arguments.input,
-        to,
+        output: arguments.output,
         format: match arguments.to {
             Target::Glb => ExportFormat::Glb,
             Target::Csv => ExportFormat::Csv,
@@ -29,17 +26,14 @@ pub(super) fn run(arguments: ExportArguments) -> anyhow::Result<Exit> {
     let exported = match service::export(&job) {
         Ok(exported) => exported,
         Err(error) => {
-            print_failure(&input, &error, format)?;
+            print_failure(&input, &error, said.of_failure())?;
             return Ok(Exit::Error);
         }
     };
-    if is_piped {
-        output::pipe(&exported.bytes, &exported.lost, &exported.warnings)?;
+    if said.is_piped() {
+        output::print_notes(&exported.lost, &exported.warnings);
     } else {
-        match format {
-            Format::Ndjson => output::print_json("enact.export/1", &exported)?,
-            Format::Text => output::print(&text(&exported))?,
-        }
+        said.print(("enact.export/1", &exported), |_| text(&exported))?;
     }
     let is_whole = exported.lost.is_empty() && exported.verdict == "physical";
     Ok(if is_whole { Exit::Done } else { Exit::NotWhole })

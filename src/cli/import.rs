@@ -1,9 +1,9 @@
 //! `import`: files of other programs become recordings.
 
-use super::arguments::{Format, ImportArguments, Order, Rotation};
+use super::arguments::{ImportArguments, Order, Rotation};
 use super::exit::Exit;
 use super::inspect::range;
-use super::output::{self, push_line};
+use super::output::{Account, push_line};
 use super::process::print_failure;
 use super::table::table;
 use crate::service::{
@@ -12,7 +12,7 @@ use crate::service::{
 
 pub(super) fn run(arguments: ImportArguments) -> anyhow::Result<Exit> {
     let output = arguments.output.display().to_string();
-    let format = arguments.format;
+    let said = Account::new(arguments.format, Some(&arguments.output));
     let job = ImportJob {
         inputs: arguments.inputs,
         output: arguments.output,
@@ -40,14 +40,11 @@ pub(super) fn run(arguments: ImportArguments) -> anyhow::Result<Exit> {
     let imported = match service::import(&job) {
         Ok(imported) => imported,
         Err(error) => {
-            print_failure(&output, &error, format)?;
+            print_failure(&output, &error, said.of_failure())?;
             return Ok(Exit::Error);
         }
     };
-    match format {
-        Format::Ndjson => output::print_json("enact.import/1", &imported)?,
-        Format::Text => output::print(&text(&imported))?,
-    }
+    said.print(("enact.import/1", &imported), |_| text(&imported))?;
     Ok(if imported.lost.is_empty() && imported.against.is_empty() {
         Exit::Done
     } else {

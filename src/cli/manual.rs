@@ -9,6 +9,7 @@ use clap_mangen::Man;
 use super::arguments::Arguments;
 use super::exit::Exit;
 use super::output;
+use crate::service::write_file;
 
 /// Writes `enact.1`, `enact-replay.1`, … into a folder, which is made if it is not there.
 pub(super) fn run(folder: &Path) -> anyhow::Result<Exit> {
@@ -27,7 +28,7 @@ fn page(folder: &Path, command: &clap::Command, written: &mut String) -> anyhow:
     let path = folder.join(man.get_filename());
     let mut text = Vec::new();
     man.render(&mut text)?;
-    std::fs::write(&path, text).with_context(|| format!("{}: cannot write", path.display()))?;
+    write_file(&path, &text)?;
     written.push_str(&format!("{}\n", path.display()));
     let commands = command.get_subcommands();
     for command in commands.filter(|of| of.get_name() != "help") {

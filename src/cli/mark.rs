@@ -1,15 +1,16 @@
 //! `mark`: lists, proposes and changes the marks of a recording.
 
-use super::arguments::{Format, MarkArguments};
+use super::arguments::MarkArguments;
 use super::exit::Exit;
 use super::inspect::marks;
-use super::output;
+use super::output::{self, Account};
 use super::process::print_failure;
 use super::table::table;
 use crate::service::{self, MarkEdits, MarkJob, Marked};
 
 pub(super) fn run(arguments: MarkArguments) -> anyhow::Result<Exit> {
     let recording = arguments.input.display().to_string();
+    let said = Account::new(arguments.format, arguments.output.as_deref());
     let job = MarkJob {
         input: arguments.input,
         output: arguments.output,
@@ -27,14 +28,11 @@ pub(super) fn run(arguments: MarkArguments) -> anyhow::Result<Exit> {
     let marked = match service::mark(&job) {
         Ok(marked) => marked,
         Err(error) => {
-            print_failure(&recording, &error, arguments.format)?;
+            print_failure(&recording, &error, said.of_failure())?;
             return Ok(Exit::Error);
         }
     };
-    match arguments.format {
-        Format::Ndjson => output::print_json("enact.marks/1", &marked)?,
-        Format::Text => output::print(&text(&marked))?,
-    }
+    said.print(("enact.marks/1", &marked), |_| text(&marked))?;
     Ok(if marked.lost.is_empty() {
         Exit::Done
     } else {

@@ -1,20 +1,20 @@
 //! Results on stdout.
 
 use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::path::Path;
 
 use serde::Serialize;
 
+use super::arguments::Format;
 use crate::report::{self, plain, plain_json};
+use crate::service::is_pipe;
 
 /// Writes a text. A reader that has closed the pipe is no error.
 pub(super) fn print(text: &str) -> io::Result<()> {
-    print_bytes(text.as_bytes())
-}
-
-/// [`print`] of what is not text.
-pub(super) fn print_bytes(bytes: &[u8]) -> io::Result<()> {
     let mut stdout = io::stdout().lock();
-    let written = stdout.write_all(bytes).and_then(|()| stdout.flush());
+    let written = stdout
+        .write_all(text.as_bytes())
+        .and_then(|()| stdout.flush());
     match written {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         other => other,
@@ -37,24 +37,65 @@ pub(super) fn push_notes(text: &mut String, lost: &[String], warnings: &[String]
     }
 }
 
-/// [`print_bytes`] of a file on stdout, and on stderr what is said of it elsewhere.
-pub(super) fn pipe(bytes: &[u8], lost: &[String], warnings: &[String]) -> io::Result<()> {
-    print_bytes(bytes)?;
+/// Prints what was lost, and what to know, on stderr where stdout has a file.
+pub(super) fn print_notes(lost: &[String], warnings: &[String]) {
     lost.iter()
         .chain(warnings)
         .for_each(|note| print_note(note));
-    Ok(())
+}
+
+/// Where the account of a command that makes a file goes, and how: on stdout, or on stderr where stdout
+/// carries the file.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Account {
+    format: Format,
+    is_piped: bool,
+}
+
+impl Account {
+    /// That of a command whose file goes there, if anywhere.
+    pub(super) fn new(format: Format, output: Option<&Path>) -> Self {
+        let is_piped = output.is_some_and(is_pipe);
+        Self { format, is_piped }
+    }
+
+    /// How a failure is said: of a file that would be on stdout nothing is there, for a pipe carries the file or nothing.
+    pub(super) fn of_failure(self) -> Format {
+        if self.is_piped {
+            Format::Text
+        } else {
+            self.format
+        }
+    }
+
+    /// Prints a value as a line for machines, or as a text, which is told whether colours are wanted.
+    pub(super) fn print(
+        self,
+        (schema, value): (&str, &impl Serialize),
+        text: impl FnOnce(bool) -> String,
+    ) -> anyhow::Result<()> {
+        let said = match (self.format, self.is_piped) {
+            (Format::Ndjson, _) => json_line(schema, value)?,
+            (Format::Text, false) => text(colours_on_stdout()),
+            (Format::Text, true) => text(colours_on_stderr()),
+        };
+        if self.is_piped {
+            io::stderr().write_all(said.as_bytes())?;
+        } else {
+            print(&said)?;
+        }
+        Ok(())
+    }
+
+    /// Whether stdout carries the file.
+    pub(super) fn is_piped(self) -> bool {
+        self.is_piped
+    }
 }
 
 /// Writes one JSON object on a line of its own, the name and version of its schema first: `docs/ndjson.md` has them.
 pub(super) fn print_json(schema: &str, value: &impl Serialize) -> anyhow::Result<()> {
     Ok(print(&json_line(schema, value)?)?)
-}
-
-/// [`print_json`] where stdout has another use.
-pub(super) fn print_json_on_stderr(schema: &str, value: &impl Serialize) -> anyhow::Result<()> {
-    let line = json_line(schema, value)?;
-    Ok(io::stderr().write_all(line.as_bytes())?)
 }
 
 fn json_line(schema: &str, value: &impl Serialize) -> serde_json::Result<String> {
@@ -68,11 +109,6 @@ fn json_line(schema: &str, value: &impl Serialize) -> serde_json::Result<String>
     let mut line = plain_json(&line).into_owned();
     line.push('\n');
     Ok(line)
-}
-
-/// Writes a text on stderr, where stdout has another use.
-pub(super) fn print_on_stderr(text: &str) -> io::Result<()> {
-    io::stderr().write_all(text.as_bytes())
 }
 
 /// Prints an error on stderr; a closed stderr is ignored.

@@ -1,16 +1,15 @@
 //! `replay`: estimates one recording and prints its account.
 
 use super::account::{Style, account};
-use super::arguments::{Format, Free, ReplayArguments};
+use super::arguments::{Free, ReplayArguments};
 use super::exit::Exit;
-use super::output;
+use super::output::Account;
 use super::process::{RECORDING_SCHEMA, print_failure};
-use crate::service::{self, PublishJob, ReplayJob, is_pipe};
+use crate::service::{self, PublishJob, ReplayJob};
 
 pub(super) fn run(arguments: ReplayArguments, verbose: bool) -> anyhow::Result<Exit> {
     let recording = arguments.input.display().to_string();
-    // Stdout has the recording then.
-    let is_piped = arguments.output.as_deref().is_some_and(is_pipe);
+    let said = Account::new(arguments.format, arguments.output.as_deref());
     let job = ReplayJob {
         input: arguments.input,
         output: arguments.output,
@@ -25,21 +24,13 @@ pub(super) fn run(arguments: ReplayArguments, verbose: bool) -> anyhow::Result<E
     let report = match service::replay(&job) {
         Ok(report) => report,
         Err(error) => {
-            print_failure(&recording, &error, arguments.format.of_failure(is_piped))?;
+            print_failure(&recording, &error, said.of_failure())?;
             return Ok(Exit::Error);
         }
     };
-    let style = |colours: bool| Style { colours, verbose };
-    match (arguments.format, is_piped) {
-        (Format::Ndjson, false) => output::print_json(RECORDING_SCHEMA, &report)?,
-        (Format::Ndjson, true) => output::print_json_on_stderr(RECORDING_SCHEMA, &report)?,
-        (Format::Text, false) => {
-            output::print(&account(&report, style(output::colours_on_stdout())))?;
-        }
-        (Format::Text, true) => {
-            output::print_on_stderr(&account(&report, style(output::colours_on_stderr())))?;
-        }
-    }
+    said.print((RECORDING_SCHEMA, &report), |colours| {
+        account(&report, Style { colours, verbose })
+    })?;
     Ok(if report.is_whole() {
         Exit::Done
     } else {

@@ -2,24 +2,23 @@
 
 use std::path::PathBuf;
 
-use super::arguments::{Format, ReportArguments, Seen};
+use super::arguments::{ReportArguments, Seen};
 use super::exit::Exit;
-use super::output;
+use super::output::{self, Account};
 use super::process::print_failure;
-use crate::service::{self, Destination, ReportJob, ReportMade, View, is_pipe};
+use crate::service::{self, ReportJob, ReportMade, View, is_pipe};
 
 pub(super) fn run(arguments: ReportArguments) -> anyhow::Result<Exit> {
     let input = arguments.input.display().to_string();
-    let picture = arguments.svg.map(destination);
+    let picture = arguments.svg;
     // Who asks for a picture alone gets that alone.
     let page = match (arguments.output, &picture) {
-        (Some(output), _) => Some(destination(output)),
+        (Some(output), _) => Some(output),
         (None, Some(_)) => None,
-        (None, None) => Some(Destination::Beside),
+        (None, None) => Some(service::beside(&arguments.input, "html")?),
     };
-    let is_caller = |to: &Destination| *to == Destination::Caller;
-    let is_piped = page.iter().chain(&picture).any(is_caller);
-    let format = arguments.format.of_failure(is_piped);
+    let piped = page.iter().chain(&picture).find(|to| is_pipe(to));
+    let said = Account::new(arguments.format, piped.map(PathBuf::as_path));
     let job = ReportJob {
         input: arguments.input,
         page,
@@ -29,27 +28,17 @@ pub(super) fn run(arguments: ReportArguments) -> anyhow::Result<Exit> {
     let made = match service::report(&job) {
         Ok(made) => made,
         Err(error) => {
-            print_failure(&input, &error, format)?;
+            print_failure(&input, &error, said.of_failure())?;
             return Ok(Exit::Error);
         }
     };
-    if is_piped {
-        output::pipe(&made.bytes, &made.lost, &made.warnings)?;
+    if said.is_piped() {
+        output::print_notes(&made.lost, &made.warnings);
     } else {
-        match format {
-            Format::Ndjson => output::print_json("enact.page/1", &made)?,
-            Format::Text => output::print(&text(&made))?,
-        }
+        said.print(("enact.page/1", &made), |_| text(&made))?;
     }
     let is_whole = made.lost.is_empty() && made.verdict == "physical";
     Ok(if is_whole { Exit::Done } else { Exit::NotWhole })
-}
-
-pub(super) fn destination(path: PathBuf) -> Destination {
-    match is_pipe(&path) {
-        true => Destination::Caller,
-        false => Destination::File(path),
-    }
 }
 
 fn view(seen: Seen) -> View {

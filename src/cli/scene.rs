@@ -6,7 +6,7 @@ use super::arguments::{
 };
 use super::calibrate;
 use super::exit::Exit;
-use super::output;
+use super::output::{self, Account};
 use super::process::print_failure;
 use crate::config::{BodyCheck, MATERIALS, PRESETS, SceneCheck, scene_reference, scene_schema};
 use crate::service::{self, FromUrdfJob, NewSceneJob, NewSceneMade, UrdfImported};
@@ -52,7 +52,7 @@ pub(super) fn run(command: SceneCommand) -> anyhow::Result<Exit> {
 }
 
 fn new(arguments: NewSceneArguments) -> anyhow::Result<Exit> {
-    let format = arguments.format;
+    let said = Account::new(arguments.format, arguments.output.as_deref());
     let job = NewSceneJob {
         object: arguments.object.clone(),
         output: arguments.output,
@@ -71,14 +71,11 @@ fn new(arguments: NewSceneArguments) -> anyhow::Result<Exit> {
     let made = match service::make_scene(&job) {
         Ok(made) => made,
         Err(error) => {
-            print_failure(&arguments.object, &error, format)?;
+            print_failure(&arguments.object, &error, said.of_failure())?;
             return Ok(Exit::Error);
         }
     };
-    match format {
-        Format::Ndjson => output::print_json("enact.new_scene/1", &made)?,
-        Format::Text => output::print(&text_of_made(&made))?,
-    }
+    said.print(("enact.new_scene/1", &made), |_| text_of_made(&made))?;
     Ok(Exit::Done)
 }
 
@@ -199,6 +196,7 @@ fn rounded(value: f64, parts: f64) -> f64 {
 
 fn from_urdf(arguments: FromUrdfArguments) -> anyhow::Result<Exit> {
     let input = arguments.input.display().to_string();
+    let said = Account::new(arguments.format, arguments.output.as_deref());
     let job = FromUrdfJob {
         input: arguments.input,
         output: arguments.output,
@@ -206,14 +204,11 @@ fn from_urdf(arguments: FromUrdfArguments) -> anyhow::Result<Exit> {
     let imported = match service::from_urdf(&job) {
         Ok(imported) => imported,
         Err(error) => {
-            print_failure(&input, &error, arguments.format)?;
+            print_failure(&input, &error, said.of_failure())?;
             return Ok(Exit::Error);
         }
     };
-    match arguments.format {
-        Format::Ndjson => output::print_json("enact.scene/1", &imported)?,
-        Format::Text => output::print(&text(&imported))?,
-    }
+    said.print(("enact.scene/1", &imported), |_| text(&imported))?;
     Ok(if imported.lost.is_empty() {
         Exit::Done
     } else {

@@ -1,8 +1,8 @@
 //! `sketch`: written sketches and recordings, one made of the other.
 
-use super::arguments::{Format, SketchArguments};
+use super::arguments::SketchArguments;
 use super::exit::Exit;
-use super::output;
+use super::output::{self, Account};
 use super::process::print_failure;
 use crate::service::{self, Density, SketchJob, Sketched};
 
@@ -13,24 +13,23 @@ pub(super) fn run(arguments: SketchArguments) -> anyhow::Result<Exit> {
         (None, Some(rate_hz)) => Density::PerSecond(rate_hz),
         (None, None) => Density::All,
     };
+    let said = Account::new(arguments.format, arguments.output.as_deref());
     let job = SketchJob {
         input: arguments.input,
         output: arguments.output,
         scene: arguments.scene,
         density,
         is_estimated: arguments.estimated,
+        deadline: arguments.limits.deadline,
     };
     let sketched = match service::sketch(&job) {
         Ok(sketched) => sketched,
         Err(error) => {
-            print_failure(&input, &error, arguments.format)?;
+            print_failure(&input, &error, said.of_failure())?;
             return Ok(Exit::Error);
         }
     };
-    match arguments.format {
-        Format::Ndjson => output::print_json("enact.sketch/1", &sketched)?,
-        Format::Text => output::print(&text(&sketched))?,
-    }
+    said.print(("enact.sketch/1", &sketched), |_| text(&sketched))?;
     Ok(if sketched.lost.is_empty() {
         Exit::Done
     } else {

@@ -148,29 +148,29 @@ fn of_takes(takes: &[TakeEntry]) -> String {
     let rows: Vec<Vec<String>> = takes
         .iter()
         .map(|take| {
-            let note = take.note.clone().unwrap_or_default();
             vec![
                 take.number.map_or_else(dash, |number| number.to_string()),
                 take.name.clone().unwrap_or_else(dash),
                 take.rating
                     .map_or_else(dash, |rating| format!("{rating} of 5")),
                 take.messages.to_string(),
-                take.estimate.as_ref().map_or("no", |_| "yes").to_owned(),
+                take.verdict.clone().unwrap_or_else(dash),
                 take.recording.clone(),
-                take.error.clone().unwrap_or(note),
+                take.error.clone().unwrap_or_else(|| said(take)),
             ]
         })
         .collect();
     let head = [
-        "take",
-        "name",
-        "rating",
-        "messages",
-        "estimated",
-        "file",
-        "note",
+        "take", "name", "rating", "messages", "verdict", "file", "note",
     ];
     table("", &head, &rows)
+}
+
+/// The note on a take, and what speaks against its motion.
+fn said(take: &TakeEntry) -> String {
+    let against = take.why.clone().filter(|_| take.is_good == Some(false));
+    let said = take.note.iter().cloned().chain(against);
+    said.collect::<Vec<_>>().join("; ")
 }
 
 fn of_trackers(trackers: &[TrackerState]) -> String {

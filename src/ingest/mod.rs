@@ -20,6 +20,7 @@ mod route;
 mod source;
 pub mod table;
 
+pub use crate::wire::container::{Digest, digest};
 pub use crate::wire::is_pipe;
 pub use error::{IngestError, listed};
 pub use mark_list::{ListedMark, MarkTime, marks_of_file};

@@ -5,15 +5,14 @@ mod room;
 mod streams;
 mod tip;
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use serde::Serialize;
 
+use super::output::{refuse_present, write_new_file};
 use super::working::Working;
 use crate::config::{Calibration, scene_calibrated};
-use crate::write::atomic::AtomicFile;
 
 /// What of a recording is looked at.
 #[derive(Clone, Debug, Default)]
@@ -126,7 +125,7 @@ pub fn calibrate(job: &CalibrateJob) -> anyhow::Result<Calibrated> {
     };
     let toml = calibration.to_toml()?;
     if let Some(output) = &job.output {
-        write_new(output, &toml)?;
+        write_new_file(output, toml.as_bytes())?;
     }
     Ok(Calibrated {
         calibration,
@@ -196,7 +195,7 @@ pub fn calibrate_scene(job: &CalibrateSceneJob) -> anyhow::Result<SceneCalibrate
     let made = scene_calibrated(&text, &calibrations)
         .map_err(|error| error.in_file(format!("{scene} with its calibrations")))?;
     if let Some(output) = &job.output {
-        write_new(output, &made.toml)?;
+        write_new_file(output, made.toml.as_bytes())?;
     }
     Ok(SceneCalibrated {
         scene,
@@ -226,22 +225,4 @@ fn only(inputs: &[PathBuf]) -> anyhow::Result<&Path> {
         [input] => Ok(input),
         _ => bail!("{} recordings, expected one", inputs.len()),
     }
-}
-
-fn refuse_present(output: &Path) -> anyhow::Result<()> {
-    if output.exists() {
-        bail!(
-            "{}: is there already, expected another name: -o FILE",
-            output.display()
-        );
-    }
-    Ok(())
-}
-
-fn write_new(output: &Path, text: &str) -> anyhow::Result<()> {
-    let mut file = AtomicFile::create(output)?;
-    file.write_all(text.as_bytes())
-        .with_context(|| format!("{}: cannot write", output.display()))?;
-    file.commit()?;
-    Ok(())
 }

@@ -59,7 +59,6 @@ pub fn export(job: &ExportJob) -> anyhow::Result<Exported> {
         keys: bodies.iter().map(|body| body.keys.len()).sum(),
         lost: read.lost(),
         warnings: warnings(job, scene, motion, &bodies),
-        bytes: Vec::new(),
     };
     let files = files(job, &read, &bodies, &provenance)?;
     write(job, files, &mut exported)?;

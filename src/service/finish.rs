@@ -51,9 +51,15 @@ pub(super) fn with_recording<T>(
     }
 }
 
-/// Opens a recording. The scene is that of `scene_file` if given, otherwise the attached one.
-pub(super) fn open(input: &Path, scene_file: Option<&Path>) -> anyhow::Result<Opened> {
-    opened(Recording::open(input)?, scene_file, Deadline::begin(None))
+/// Opens a recording, as long as there is time. The scene is that of `scene_file` if given, otherwise the attached one.
+pub(super) fn open(
+    input: &Path,
+    scene_file: Option<&Path>,
+    deadline: Deadline,
+) -> anyhow::Result<Opened> {
+    let recording = Recording::open_until(input, deadline.instant())?;
+    deadline.check(input)?;
+    opened(recording, scene_file, deadline)
 }
 
 /// [`open`] of what is read.
@@ -112,7 +118,7 @@ pub(super) fn output_path(input: &Path, folder: Option<&Path>) -> anyhow::Result
 }
 
 /// `tip.estimate.mcap` → `tip.estimate.csv`, beside it.
-pub(super) fn beside(input: &Path, ending: &str) -> anyhow::Result<PathBuf> {
+pub fn beside(input: &Path, ending: &str) -> anyhow::Result<PathBuf> {
     if is_pipe(input) {
         bail!("-: stdin has no name, expected one for the output: -o FILE, or -o - for stdout");
     }

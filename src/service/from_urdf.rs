@@ -1,13 +1,12 @@
 //! Scenes of robot descriptions.
 
-use std::io::Write;
 use std::path::PathBuf;
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use serde::Serialize;
 
+use super::output::{refuse_present, write_new_file};
 use crate::config::scene_from_urdf;
-use crate::write::atomic::AtomicFile;
 
 /// The input of [`from_urdf`].
 #[derive(Clone, Debug)]
@@ -48,16 +47,8 @@ pub fn from_urdf(job: &FromUrdfJob) -> anyhow::Result<UrdfImported> {
     let text =
         std::fs::read_to_string(&job.input).with_context(|| format!("{path}: cannot read"))?;
     let made = scene_from_urdf(&text).map_err(|error| error.in_file(path.to_string()))?;
-    if output.exists() {
-        bail!(
-            "{}: is there already, expected another name: -o FILE",
-            output.display()
-        );
-    }
-    let mut file = AtomicFile::create(&output)?;
-    file.write_all(made.toml.as_bytes())
-        .with_context(|| format!("{}: cannot write", output.display()))?;
-    file.commit()?;
+    refuse_present(&output)?;
+    write_new_file(&output, made.toml.as_bytes())?;
     Ok(UrdfImported {
         input: path.to_string(),
         output: output.display().to_string(),

@@ -55,11 +55,12 @@ pub use direct::{DaemonAnswer, DirectJob, Direction, Label, direct};
 #[cfg(feature = "live")]
 pub use doctor::{DoctorJob, Finding, Health, doctor};
 pub use export::{DEFAULT_EXPORT_RATE_HZ, ExportFormat, ExportJob, Exported, export};
+pub use finish::beside;
 pub use from_urdf::{FromUrdfJob, UrdfImported, from_urdf};
 pub use import::{BodyLine, FlightLine, ImportJob, Imported, InputLine, import};
 pub use inspect::{Inspection, MarkLine, PoseLine, TopicLine, inspect};
 pub use mark::{MarkEdits, MarkJob, Marked, ProposalLine, mark};
-pub use output::Destination;
+pub use output::write_file;
 pub use predict::{DEFAULT_PREDICTION_S, PredictJob, predict};
 pub use process::{Failure, ProcessJob, Processed, process};
 #[cfg(not(feature = "live"))]

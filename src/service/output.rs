@@ -1,40 +1,46 @@
 //! Where what is made goes.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 
-use super::finish::beside;
+use crate::write::WriteError;
 use crate::write::atomic::AtomicFile;
 
-/// Where what is made of a recording goes.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Destination {
-    /// To the file beside the recording that has its own ending.
-    Beside,
-    /// To that file.
-    File(PathBuf),
-    /// To whoever called.
-    Caller,
+/// Writes a file, whole or not at all.
+pub fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    write_to(AtomicFile::create(path)?, bytes)
 }
 
-impl Destination {
-    /// The file; `None` where the caller gets it. Fails where it would be named after stdin.
-    pub(super) fn file(&self, input: &Path, ending: &str) -> anyhow::Result<Option<PathBuf>> {
-        match self {
-            Self::Beside => beside(input, ending).map(Some),
-            Self::File(path) => Ok(Some(path.clone())),
-            Self::Caller => Ok(None),
-        }
+/// [`write_file`] of one that people work on by hand: it replaces none, not even one that came since it
+/// was looked for ([`refuse_present`]).
+pub(super) fn write_new_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let written = write_to(AtomicFile::create_fresh(path)?, bytes);
+    written.or_else(|error| match error.downcast_ref() {
+        Some(WriteError::Exists { .. }) => is_present(path),
+        _ => Err(error),
+    })
+}
+
+/// Fails where something has the name, before the work is done.
+pub(super) fn refuse_present(path: &Path) -> anyhow::Result<()> {
+    match std::fs::symlink_metadata(path) {
+        Ok(_) if !crate::ingest::is_pipe(path) => is_present(path),
+        _ => Ok(()),
     }
 }
 
-/// Writes a file, whole or not at all.
-pub(super) fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    let mut file = AtomicFile::create(path)?;
-    file.write_all(bytes)
-        .with_context(|| format!("{}: cannot write", path.display()))?;
-    file.commit()?;
-    Ok(())
+fn is_present(path: &Path) -> anyhow::Result<()> {
+    bail!(
+        "{}: is there already, expected another name: -o FILE",
+        path.display()
+    )
+}
+
+fn write_to(mut file: AtomicFile, bytes: &[u8]) -> anyhow::Result<()> {
+    if let Err(error) = file.write_all(bytes) {
+        return Err(error).with_context(|| format!("{}: cannot write", file.path().display()));
+    }
+    Ok(file.commit()?)
 }

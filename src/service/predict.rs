@@ -1,9 +1,11 @@
 //! Continues the motion of a recording from its flight, without what was seen later.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use anyhow::bail;
 
+use super::deadline::Deadline;
 use super::finish::{beside, check_distinct, finish, open};
 use super::working::Working;
 use crate::motion::{EventKind, Scene};
@@ -26,6 +28,8 @@ pub struct PredictJob {
     pub until: Option<String>,
     /// How long is simulated at most \[s\].
     pub limit_s: f64,
+    /// How long reading and estimating may take; no limit by default.
+    pub deadline: Option<Duration>,
 }
 
 /// Estimates the motion up to an event, predicts it from there until it rests, and writes both as an estimate.
@@ -38,7 +42,11 @@ pub fn predict(job: &PredictJob) -> anyhow::Result<RecordingReport> {
     };
     check_distinct(&job.input, &output)?;
     let working = Working::begin("reading");
-    let mut opened = open(&job.input, job.scene.as_deref())?;
+    let mut opened = open(
+        &job.input,
+        job.scene.as_deref(),
+        Deadline::begin(job.deadline),
+    )?;
     let path = job.input.display();
     let take = opened.recording.take(&opened.scene)?;
     let pipeline = Pipeline::of(opened.scene.clone(), take.events);

@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 use serde::Serialize;
 
 use super::finish::check_distinct;
-use super::output::{Destination, write_file};
+use super::output::write_file;
 use super::read_back::ReadBack;
 use super::working::Working;
 use crate::motion::{PoseSample, Sees, TakeEvent, TrackIndex};
@@ -17,10 +17,10 @@ use crate::page::{Page, View, html, strobe_of};
 pub struct ReportJob {
     /// A recording with an estimate.
     pub input: PathBuf,
-    /// Where the page goes, with the ending `html` if beside; none: no page is made.
-    pub page: Option<Destination>,
-    /// Where the picture goes, and from where it is seen.
-    pub picture: Option<(Destination, View)>,
+    /// Where the page goes, a file or [stdout](crate::service::is_pipe); none: no page is made.
+    pub page: Option<PathBuf>,
+    /// Where the picture goes, likewise, and from where it is seen.
+    pub picture: Option<(PathBuf, View)>,
     /// The command line, to be noted in the files.
     pub command: String,
 }
@@ -40,9 +40,6 @@ pub struct ReportMade {
     pub lost: Vec<String>,
     /// What to know.
     pub warnings: Vec<String>,
-    /// What is not written to a file.
-    #[serde(skip)]
-    pub bytes: Vec<u8>,
 }
 
 /// Makes them. Both are made before anything is written.
@@ -60,7 +57,6 @@ pub fn report(job: &ReportJob) -> anyhow::Result<ReportMade> {
         verdict: read.motion.verdict.clone(),
         lost: read.lost(),
         warnings: unread.into_iter().collect(),
-        bytes: Vec::new(),
     };
     let page = Page {
         scene: &read.scene,
@@ -69,9 +65,8 @@ pub fn report(job: &ReportJob) -> anyhow::Result<ReportMade> {
         provenance: &provenance,
         lost: &read.lost(),
     };
-    let mut files: Vec<(Option<PathBuf>, String)> = Vec::new();
+    let mut files: Vec<(&Path, String)> = Vec::new();
     if let Some(to) = &job.page {
-        let to = to.file(&job.input, "html")?;
         files.push((to, html(&page).with_context(|| path.to_string())?));
     }
     if let Some((to, view)) = &job.picture {
@@ -85,28 +80,37 @@ pub fn report(job: &ReportJob) -> anyhow::Result<ReportMade> {
     }
     check(&job.input, &files)?;
     for (to, text) in files {
-        match to {
-            Some(output) => {
-                write_file(&output, text.as_bytes())?;
-                made.outputs.push(output.display().to_string());
-            }
-            None => made.bytes = text.into_bytes(),
-        }
+        write_file(to, text.as_bytes())?;
+        made.outputs.push(to.display().to_string());
     }
     Ok(made)
 }
 
+/// A picture of the motion of an estimate, as an SVG file; `None` where it has no motion.
+#[cfg(feature = "live")]
+pub(super) fn picture(input: &Path, view: View) -> anyhow::Result<Option<String>> {
+    let read = ReadBack::open(input)?;
+    let (readings, _) = readings(&read);
+    let page = Page {
+        scene: &read.scene,
+        motion: &read.motion,
+        readings: &readings,
+        provenance: &read.provenance("enact capture"),
+        lost: &read.lost(),
+    };
+    let strobe = strobe_of(&page).with_context(|| input.display().to_string())?;
+    Ok(strobe.map(|strobe| strobe.file(view)))
+}
+
 /// Refuses files of one name, and the recording as one of them.
-fn check(input: &Path, files: &[(Option<PathBuf>, String)]) -> anyhow::Result<()> {
+fn check(input: &Path, files: &[(&Path, String)]) -> anyhow::Result<()> {
     for (index, (to, _)) in files.iter().enumerate() {
         if files[..index].iter().any(|(other, _)| other == to) {
             bail!(
                 "page and picture would go to the same place, expected another name for one of them"
             );
         }
-        if let Some(output) = to {
-            check_distinct(input, output)?;
-        }
+        check_distinct(input, to)?;
     }
     Ok(())
 }

@@ -1,15 +1,14 @@
 //! Scenes: made of objects and meshes, and looked at.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use serde::Serialize;
 
+use super::output::{refuse_present, write_new_file};
 use crate::config::{
     BodyCheck, MeshFormat, NewObject, NewScene, SceneCheck, check_scene, new_scene, scene_from_toml,
 };
-use crate::write::atomic::AtomicFile;
 
 /// The input of [`make_scene`].
 #[derive(Clone, Debug)]
@@ -96,19 +95,11 @@ pub fn make_scene(job: &NewSceneJob) -> anyhow::Result<NewSceneMade> {
     .with_context(|| job.object.clone())?;
     let output = job.output.clone();
     let output = output.unwrap_or_else(|| PathBuf::from(format!("{}.toml", made.name)));
-    if output.exists() {
-        bail!(
-            "{}: is there already, expected another name: -o FILE",
-            output.display()
-        );
-    }
+    refuse_present(&output)?;
     let scene = scene_from_toml(&made.toml)?;
     let checked = check_scene(&scene);
     let body = checked.bodies.into_iter().next();
-    let mut file = AtomicFile::create(&output)?;
-    file.write_all(made.toml.as_bytes())
-        .with_context(|| format!("{}: cannot write", output.display()))?;
-    file.commit()?;
+    write_new_file(&output, made.toml.as_bytes())?;
     Ok(NewSceneMade {
         output: output.display().to_string(),
         scene: made.name,

@@ -4,8 +4,8 @@ mod keyframes;
 mod places;
 
 use std::ffi::OsStr;
-use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use anyhow::{Context, bail};
 use serde::Serialize;
@@ -13,12 +13,13 @@ use serde::Serialize;
 pub use self::keyframes::Density;
 use self::keyframes::Motion;
 use self::places::placed;
+use super::deadline::Deadline;
 use super::finish::{check_distinct, lost, open, warnings};
+use super::output::write_file;
 use super::working::Working;
 use crate::config::{scene_from_toml, sketch_from_csv, sketch_from_toml};
 use crate::ingest::SCENE_NAME;
 use crate::motion::{Scene, SketchRow, Stamp};
-use crate::write::atomic::AtomicFile;
 use crate::write::{RecordingWriter, csv_of_sketch, toml_of_sketch};
 
 /// The input of [`sketch`].
@@ -34,6 +35,8 @@ pub struct SketchJob {
     pub density: Density,
     /// Whether they are of the motion that is estimated from it, instead of what was acted.
     pub is_estimated: bool,
+    /// How long reading and estimating may take; no limit by default.
+    pub deadline: Option<Duration>,
 }
 
 /// The result of [`sketch`].
@@ -172,7 +175,8 @@ fn write(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched>
 
 /// A recording becomes a written sketch.
 fn read(job: &SketchJob, output: &Path, kind: Kind, working: &Working) -> anyhow::Result<Sketched> {
-    let opened = open(&job.input, job.scene.as_deref())?;
+    let deadline = Deadline::begin(job.deadline);
+    let opened = open(&job.input, job.scene.as_deref(), deadline)?;
     let scene = &opened.scene;
     let written = opened.recording.sketch(scene)?;
     let (rows, notes) = match written {
@@ -183,9 +187,10 @@ fn read(job: &SketchJob, output: &Path, kind: Kind, working: &Working) -> anyhow
             let take = opened.recording.take(scene)?;
             let mut notes = (lost(&take.report), warnings(&take.report));
             let motion = if job.is_estimated {
-                let (motion, note) = Motion::estimated(scene, take.events, working)
+                let (motion, known) =
+                    Motion::estimated(scene, take.events, (deadline, working))
                     .with_context(|| job.input.display().to_string())?;
-                notes.1.extend(note);
+                notes.1.extend(known);
                 motion
             } else {
                 Motion::acted(scene, &take.events)
@@ -197,10 +202,7 @@ fn read(job: &SketchJob, output: &Path, kind: Kind, working: &Working) -> anyhow
         Kind::Csv => csv_of_sketch(&rows, scene),
         _ => toml_of_sketch(&rows, scene),
     };
-    let mut file = AtomicFile::create(output)?;
-    file.write_all(text.as_bytes())
-        .with_context(|| format!("{}: cannot write", output.display()))?;
-    file.commit()?;
+    write_file(output, text.as_bytes())?;
     Ok(account(job, output, (scene, &rows), notes))
 }
 

@@ -34,15 +34,17 @@ impl AtomicFile {
     /// file that has that name. Fails where the directory does not exist or may not be written,
     /// and where [`target_of`] does.
     pub fn create(path: &Path) -> Result<Self, WriteError> {
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".enact-").suffix(".part");
-        Self::open(path, target_of(path)?, builder, true)
+        Self::open(path, target_of(path)?, builder(), true)
     }
 
-    /// Opens a temporary for a file that will replace none: [`AtomicFile::commit`] fails where
-    /// the name is taken by anything but a file of the same bytes. The temporary has the same name
-    /// each time, so that one that a killed process left is removed; the caller makes sure that no
-    /// other process writes it.
+    /// [`AtomicFile::create`] of a file that will replace none: [`AtomicFile::commit`] fails where
+    /// the name is taken by then by anything but a file of the same bytes.
+    pub fn create_fresh(path: &Path) -> Result<Self, WriteError> {
+        Self::open(path, path.to_owned(), builder(), false)
+    }
+
+    /// [`AtomicFile::create_fresh`] with a temporary of the same name each time, so that one that a
+    /// killed process left is removed; the caller makes sure that no other process writes it.
     pub(super) fn create_new(path: &Path) -> Result<Self, WriteError> {
         let mut name = OsString::from(".");
         name.push(path.file_name().unwrap_or_default());
@@ -137,6 +139,13 @@ impl AtomicFile {
         sync_directory_of(&target);
         Ok(())
     }
+}
+
+/// Temporaries with names that nobody else has.
+fn builder() -> tempfile::Builder<'static, 'static> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".enact-").suffix(".part");
+    builder
 }
 
 /// Copies a file to stdout. A reader that has closed the pipe wants no more.
@@ -295,6 +304,21 @@ mod tests {
         file.commit().expect("commit");
         assert_eq!(std::fs::read(&path).expect("read"), b"new");
         assert_eq!(names(directory.path()), ["out.bin"]);
+    }
+
+    #[test]
+    fn a_fresh_file_leaves_one_that_came_meanwhile() {
+        let directory = tempfile::tempdir().expect("directory");
+        let path = directory.path().join("out.bin");
+        for (theirs, is_refused) in [(&b"theirs"[..], true), (b"ours", false)] {
+            let mut file = AtomicFile::create_fresh(&path).expect("create");
+            file.write_all(b"ours").expect("write");
+            std::fs::write(&path, theirs).expect("another file");
+            let refused = matches!(file.commit(), Err(WriteError::Exists { .. }));
+            assert_eq!(refused, is_refused);
+            assert_eq!(std::fs::read(&path).expect("read"), theirs);
+            assert_eq!(names(directory.path()), ["out.bin"]);
+        }
     }
 
     #[test]

@@ -212,9 +212,39 @@ fn a_take_refuses_what_cannot_work_and_says_what_became_of_it() {
     let expected = ["1", "Wurf", "ü", "4", "of", "5"];
     assert_eq!((code, &words[..6]), (Some(0), &expected[..]), "{said}");
     assert!(
-        said.contains("yes") && said.contains("a bit slow"),
+        said.contains("physical") && said.contains("a bit slow"),
         "{said}"
     );
+    // The ends of files say it all; a file without its end is read whole.
+    let listed = || {
+        let folder = house.text(house.folder());
+        let (code, said, _) = house.take(&["list", folder, "--format", "ndjson"]);
+        let line = said.lines().next().expect("a take");
+        (
+            code,
+            serde_json::from_str::<serde_json::Value>(line).expect("json"),
+        )
+    };
+    let whole = listed();
+    assert_eq!(whole.0, Some(0));
+    assert_eq!(whole.1["verdict"], "physical");
+    assert_eq!(whole.1["is_good"], true);
+    let recording = enact::ingest::Recording::open(&take).expect("open");
+    let messages = recording.container().message_count();
+    assert_eq!(whole.1["messages"].as_u64(), Some(messages));
+    let bytes = std::fs::read(&take).expect("read");
+    let mut damaged = bytes.clone();
+    let chunk = bytes.len() / 4..bytes.len() / 2;
+    damaged[chunk].fill(0x55);
+    std::fs::write(&take, &damaged).expect("write");
+    assert_eq!(listed(), whole, "the middle of the take is read");
+    std::fs::write(&take, &bytes[..bytes.len() - 9]).expect("write");
+    assert_eq!(listed(), whole, "a take without its end is not listed");
+    std::fs::write(&take, b"nothing").expect("write");
+    let (code, broken) = listed();
+    assert_eq!((code, broken["error"].is_string()), (Some(3), true));
+    assert_eq!(broken["verdict"], "physical");
+    std::fs::write(&take, &bytes).expect("write");
     // Of nothing there is no estimate.
     house.take(&["start"]);
     let (code, said, _) = house.take(&["stop", "--wait"]);

@@ -1,6 +1,6 @@
 //! Crowds at the daemon's ports: what they take, and what is left for recording.
 
-use std::io::Write;
+use std::io::{Read, Write};
 use std::time::{Duration, Instant};
 
 use super::harness::{Daemon, House, Patience, ended};
@@ -122,6 +122,45 @@ fn viewers_that_do_not_read_are_bounded_in_number_and_in_memory_and_sent_away() 
     viewer.subscribe();
     viewer.message();
     assert!(ended(tracker).status.success());
+    daemon.end();
+}
+
+/// What is sent in answer to what a viewer says waits for one that reads nothing; it is not to gather.
+#[test]
+fn pings_of_one_who_does_not_read_cost_nothing() {
+    let house = House::new();
+    let mut daemon = Daemon::start(&house, SCENE, &["--viewer-port", "0"]);
+    let shown = daemon.ready["viewer"].as_str().expect("served").to_owned();
+    let mut ping = vec![0x89, 0x80 | 125, 0, 0, 0, 0];
+    ping.extend([b'x'; 125]);
+    let pings = ping.repeat(1000);
+    let before = daemon.memory_bytes();
+    let (mut most, mut sent) = (0, 0);
+    let mut stream = connect(&shown);
+    let hello = upgrade(Some("foxglove.sdk.v1"));
+    stream.write_all(hello.as_bytes()).expect("write");
+    // Nothing may be said before the answer.
+    let mut head = Vec::new();
+    while !head.ends_with(b"\r\n\r\n") {
+        let mut byte = [0];
+        stream.read_exact(&mut byte).expect("an answer");
+        head.push(byte[0]);
+    }
+    let wait = Some(Duration::from_millis(500));
+    stream.set_write_timeout(wait).expect("set");
+    // Until no more is taken, or far more is than may be kept.
+    while sent < 8 * MEMORY_BYTES && stream.write_all(&pings).is_ok() {
+        sent += pings.len() as u64;
+        most = most.max(daemon.memory_bytes().saturating_sub(before));
+    }
+    most = most.max(daemon.memory_bytes().saturating_sub(before));
+    assert!(sent > 0, "it is not listened to at all");
+    assert!(
+        most < MEMORY_BYTES / 4,
+        "{} MiB of {} MiB",
+        most >> 20,
+        sent >> 20
+    );
     daemon.end();
 }
 

@@ -13,7 +13,7 @@ const SOON: Duration = Duration::from_secs(2);
 const BUSY: Duration = Duration::from_secs(1);
 
 /// Waits until health is that; how long it took, and what is said.
-fn wait(url: &str, expected: u16) -> (Duration, String) {
+pub fn wait(url: &str, expected: u16) -> (Duration, String) {
     let begun = Instant::now();
     let patience = Patience::new();
     loop {
@@ -26,7 +26,7 @@ fn wait(url: &str, expected: u16) -> (Duration, String) {
     }
 }
 
-fn wait_for_red(url: &str, word: &str) {
+pub fn wait_for_red(url: &str, word: &str) {
     let (after, said) = wait(url, 503);
     assert!(said.contains(word), "{said}");
     assert!(after < SOON + BUSY, "{after:?}");

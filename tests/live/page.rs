@@ -3,17 +3,17 @@
 use serde_json::Value;
 
 use super::harness::{Daemon, House, Patience};
-use super::socket::{Viewer, get, post};
+use super::socket::{Viewer, exchange, get, post};
 use super::{SCENE, metrics};
 
-fn state(url: &str) -> Value {
+pub fn state(url: &str) -> Value {
     let (status, body) = get(url, "/state");
     assert_eq!(status, 200);
     serde_json::from_str(&body).expect("json")
 }
 
 /// The state once it is so.
-fn wait(url: &str, what: &str, is_so: impl Fn(&Value) -> bool) -> Value {
+pub fn wait(url: &str, what: &str, is_so: impl Fn(&Value) -> bool) -> Value {
     let patience = Patience::new();
     loop {
         patience.check(what);
@@ -74,11 +74,38 @@ fn a_take_is_directed_from_the_page_and_from_no_other() {
     assert_eq!(over["takes"][0]["is_good"], true);
     assert_eq!(over["takes"][0]["label"]["rating"], 4);
     assert_eq!(over["takes"][0]["label"]["name"], "Wurf <b>ü</b>");
+    // A picture follows; none of a take that is not.
+    wait(&url, "a picture", |now| {
+        now["takes"][0]["has_picture"] == true
+    });
+    let answer = exchange(&url, b"GET /picture/1.svg HTTP/1.1\r\nHost: x\r\n\r\n");
+    let (head, picture) = answer.split_once("\r\n\r\n").expect("a head");
+    assert!(head.starts_with("HTTP/1.1 200 "), "{head}");
+    assert!(head.contains("Content-Type: image/svg+xml\r\n"), "{head}");
+    assert!(head.contains("default-src 'none'; style-src"), "{head}");
+    assert!(!head.contains("script-src"), "{head}");
+    let picture = roxmltree::Document::parse(picture).expect("SVG");
+    let drawn = picture
+        .descendants()
+        .filter(|node| node.has_tag_name("path"));
+    assert!(drawn.count() > 10);
+    for none in ["2", "0", "-1", "x", "1.svg/..", "99999999999999999999"] {
+        assert_eq!(get(&url, &format!("/picture/{none}.svg")).0, 404, "{none}");
+    }
     // The recorder's counts are renewed five times a second.
     wait(&url, "all samples are counted", |now| {
         now["status"]["totals"]["trackers"][0]["counts"]["received"] == sent["poses"]
     });
     daemon.end();
+    // A later daemon knows what became of the take.
+    let daemon = Daemon::start(&house, SCENE, &["--metrics-port", "0"]);
+    let url = daemon.ready["metrics"].as_str().expect("served");
+    let known = wait(url, "the take of before", |now| {
+        now["takes"][0]["take"] == 1
+    });
+    for key in ["state", "is_good", "text", "recording", "output", "label"] {
+        assert_eq!(known["takes"][0][key], over["takes"][0][key], "{key}");
+    }
 }
 
 #[test]

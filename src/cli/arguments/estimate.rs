@@ -91,6 +91,8 @@ pub(in crate::cli) struct PredictArguments {
     /// Predict for so many seconds at most
     #[arg(long, value_name = "S", value_parser = rate, default_value_t = DEFAULT_PREDICTION_S)]
     pub(in crate::cli) limit: f64,
+    #[command(flatten)]
+    pub(in crate::cli) limits: Limits,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(in crate::cli) format: Format,

@@ -177,6 +177,8 @@ pub(in crate::cli) struct SketchArguments {
     /// Keyframes of the motion that is estimated from the recording
     #[arg(long)]
     pub(in crate::cli) estimated: bool,
+    #[command(flatten)]
+    pub(in crate::cli) limits: Limits,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(in crate::cli) format: Format,

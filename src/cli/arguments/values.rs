@@ -11,13 +11,6 @@ pub(in crate::cli) enum Format {
     Ndjson,
 }
 
-impl Format {
-    /// How a failure is said: of a file that would be on stdout nothing is there, for a pipe carries the file or nothing.
-    pub(in crate::cli) fn of_failure(self, is_piped: bool) -> Self {
-        if is_piped { Format::Text } else { self }
-    }
-}
-
 /// Three numbers.
 pub(super) fn triple(text: &str) -> Result<[f64; 3], String> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();

@@ -278,6 +278,8 @@ impl Running {
         );
         let until = Arc::clone(&stop);
         // Not joined: a file system that does not answer would hold it up.
+        let remembered = (Arc::clone(&watched), to_watch.clone());
+        spawn("history", move || remembered.0.history.read(&remembered.1))?;
         spawn("watch", move || watched.health.watch(&to_watch, &until))?;
         let start_now = job.start_now;
         threads.push(spawn("record", move || {

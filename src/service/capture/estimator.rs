@@ -1,7 +1,7 @@
 //! The thread that estimates takes that are over. The recording threads never wait for it.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
@@ -13,9 +13,12 @@ use super::event::CaptureEvent;
 use super::metrics::Metrics;
 use super::notice::{Notice, Shown, Speaker};
 use super::take::now_ns;
+use crate::page::View;
 use crate::pipeline::{Outcome, Pipeline};
 use crate::report::RecordingReport;
+use crate::service::deadline::Deadline;
 use crate::service::finish::{finished, open, output_path};
+use crate::service::report::picture;
 use crate::service::words;
 use crate::service::working::Working;
 use crate::write::live::EstimateOccasion;
@@ -43,6 +46,7 @@ pub(super) fn finals(
             Ok((report, outcome, marks)) => {
                 metrics.estimated(begun.elapsed());
                 shown.send_replace(Some(Arc::new(outcome.clone())));
+                let output = report.output.clone();
                 let report = Box::new(report);
                 let said = CaptureEvent::Estimated { take, report };
                 publisher.say(Notice::estimated(
@@ -50,6 +54,7 @@ pub(super) fn finals(
                     occasion(take, marks, true),
                     outcome,
                 ));
+                draw(take, Path::new(&output), metrics);
             }
             Err(error) => {
                 let said = CaptureEvent::NotEstimated {
@@ -63,8 +68,17 @@ pub(super) fn finals(
     }
 }
 
-fn estimate_file(path: &std::path::Path) -> anyhow::Result<(RecordingReport, Outcome, u64)> {
-    let opened = open(path, None)?;
+/// Draws the motion for the operator's page, once everybody knows of it.
+fn draw(take: u64, estimate: &Path, metrics: &Metrics) {
+    match guarded(|| picture(estimate, View::ThreeQuarter)) {
+        Ok(Some(picture)) => metrics.history.draw(take, picture),
+        Ok(None) => {}
+        Err(error) => tracing::warn!(%error, take, "no picture of the motion"),
+    }
+}
+
+fn estimate_file(path: &Path) -> anyhow::Result<(RecordingReport, Outcome, u64)> {
+    let opened = open(path, None, Deadline::begin(None))?;
     let take = opened.recording.take(&opened.scene)?;
     let pipeline = Pipeline::of(opened.scene.clone(), take.events);
     let output = output_path(path, None)?;

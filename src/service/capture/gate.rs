@@ -4,13 +4,17 @@
 //! only so many may wait, and where one more comes the one that has waited longest is closed: a
 //! thousand peers that say nothing do not keep out the next one that speaks. Together with the
 //! limits on those who have spoken this bounds the descriptors that others can make the daemon hold;
-//! the rest of the process's limit stays for trackers and takes ([`Places`]).
+//! the rest of the process's limit stays for trackers and takes ([`Places`]). Where nothing is left of it
+//! all the same, a port may keep one descriptor to go on with ([`Gate::with_spare`]).
 
 use std::collections::VecDeque;
+use std::fs::File;
 use std::future::Future;
+use std::io;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use rustix::io::Errno;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::task::AbortHandle;
@@ -74,6 +78,8 @@ pub(super) struct Gate {
     waiting: Mutex<VecDeque<(u64, AbortHandle)>>,
     metrics: Arc<Metrics>,
     complaint: Seldom,
+    /// Held so that it can be let go of; none where a port does without.
+    spare: Option<Mutex<Option<File>>>,
 }
 
 /// A peer that waits, until this is dropped.
@@ -84,13 +90,67 @@ pub(super) struct Waiting {
 
 impl Gate {
     pub(super) fn new(name: &'static str, places: usize, metrics: &Arc<Metrics>) -> Arc<Self> {
-        Arc::new(Self {
+        Arc::new(Self::of(name, places, metrics, None))
+    }
+
+    fn of(
+        name: &'static str,
+        places: usize,
+        metrics: &Arc<Metrics>,
+        spare: Option<Mutex<Option<File>>>,
+    ) -> Self {
+        Self {
             name,
             places,
             waiting: Mutex::default(),
             metrics: Arc::clone(metrics),
             complaint: Seldom::default(),
-        })
+            spare,
+        }
+    }
+
+    /// One that goes on where the process has no descriptors left, a connection at a time: who asks how the daemon
+    /// is must be told just then.
+    pub(super) fn with_spare(
+        name: &'static str,
+        places: usize,
+        metrics: &Arc<Metrics>,
+    ) -> Arc<Self> {
+        Arc::new(Self::of(name, places, metrics, Some(Mutex::default())))
+    }
+
+    /// Accepts the next connection, in the place of the spare descriptor if there is no other.
+    async fn accept(&self, listener: &TcpListener) -> io::Result<TcpStream> {
+        loop {
+            let is_ready = self.hold_spare();
+            tokio::select! {
+                accepted = listener.accept() => return match accepted {
+                    Err(error) if is_exhausted(&error) && self.let_go() => {
+                        listener.accept().await.map(|(stream, _)| stream)
+                    }
+                    accepted => accepted.map(|(stream, _)| stream),
+                },
+                // It may be had again once a connection is closed.
+                () = tokio::time::sleep(PAUSE), if !is_ready => {}
+            }
+        }
+    }
+
+    /// Takes a descriptor to spare, if one is wanted and missing; whether none is missing then.
+    fn hold_spare(&self) -> bool {
+        let Some(Ok(mut spare)) = self.spare.as_ref().map(Mutex::lock) else {
+            return true;
+        };
+        if spare.is_none() {
+            *spare = File::open("/dev/null").ok();
+        }
+        spare.is_some()
+    }
+
+    /// Closes the spare descriptor; whether there was one.
+    fn let_go(&self) -> bool {
+        let spare = self.spare.as_ref().and_then(|spare| spare.lock().ok());
+        spare.is_some_and(|mut spare| spare.take().is_some())
     }
 
     /// Accepts connections for ever and serves each in a task of its own, which drops its
@@ -104,8 +164,8 @@ impl Gate {
     {
         let mut number = 0;
         loop {
-            let stream = match listener.accept().await {
-                Ok((stream, _)) => stream,
+            let stream = match self.accept(&listener).await {
+                Ok(stream) => stream,
                 Err(error) => {
                     self.complain("a connection was not accepted", &error.to_string());
                     tokio::time::sleep(PAUSE).await;
@@ -129,6 +189,15 @@ impl Gate {
         }
     }
 
+    /// A peer that came through no port.
+    #[cfg(any(test, fuzzing))]
+    pub(super) fn alone(self: &Arc<Self>) -> Waiting {
+        Waiting {
+            gate: Arc::clone(self),
+            number: 0,
+        }
+    }
+
     /// Logs what peers can cause, seldom.
     pub(super) fn complain(&self, what: &str, why: &str) {
         if let Some(more) = self.complaint.due(Instant::now()) {
@@ -143,6 +212,14 @@ impl Drop for Waiting {
             waiting.retain(|(number, _)| *number != self.number);
         }
     }
+}
+
+fn is_exhausted(error: &io::Error) -> bool {
+    let exhausted = [Errno::MFILE, Errno::NFILE];
+    exhausted
+        .map(Errno::raw_os_error)
+        .map(Some)
+        .contains(&error.raw_os_error())
 }
 
 #[cfg(test)]

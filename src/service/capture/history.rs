@@ -1,15 +1,21 @@
 //! The last takes, for the operator's page.
 
 use std::collections::VecDeque;
-use std::sync::Mutex;
+use std::path::Path;
+use std::sync::{Arc, Mutex};
 
 use serde::Serialize;
 
 use super::event::CaptureEvent;
 use super::label::TakeLabel;
+use crate::motion::Verdict;
+use crate::service::takes::{TakeEntry, entry, take_files};
 
 /// Number of takes that are remembered.
 const TAKES: usize = 20;
+
+/// Longest picture that is kept \[bytes\].
+const PICTURE_BYTES: usize = 1 << 20;
 
 /// What became of a take.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
@@ -26,6 +32,10 @@ pub(super) struct TakeLine {
     /// Its estimate.
     output: Option<String>,
     label: TakeLabel,
+    /// Whether there is a picture of its motion.
+    has_picture: bool,
+    #[serde(skip)]
+    picture: Option<Arc<str>>,
 }
 
 /// The last takes, the latest first.
@@ -33,6 +43,60 @@ pub(super) struct TakeLine {
 pub(super) struct History(Mutex<VecDeque<TakeLine>>);
 
 impl History {
+    /// Takes in the last takes that are in a folder already, as far as they can be read.
+    pub(super) fn read(&self, folder: &Path) {
+        let files = take_files(folder).unwrap_or_default();
+        for file in files.iter().rev().take(TAKES) {
+            self.earlier(entry(file));
+        }
+    }
+
+    /// A take of before, earlier than all others.
+    fn earlier(&self, of: TakeEntry) {
+        let (Some(take), Ok(mut takes)) = (of.number, self.0.lock()) else {
+            return;
+        };
+        if takes.len() >= TAKES || takes.iter().any(|line| line.take <= take) {
+            return;
+        }
+        let verdicts = [Verdict::Physical, Verdict::Plausible, Verdict::Failed];
+        let mut words = verdicts.iter().map(|verdict| verdict.as_str());
+        let state = words.find(|word| of.verdict.as_deref() == Some(*word));
+        takes.push_back(TakeLine {
+            take,
+            state: state.unwrap_or("not estimated"),
+            is_good: of.is_good,
+            text: of.error.or(of.why).unwrap_or_default(),
+            recording: of.recording,
+            output: of.estimate,
+            label: TakeLabel {
+                name: of.name,
+                note: of.note,
+                rating: of.rating,
+            },
+            has_picture: false,
+            picture: None,
+        });
+    }
+
+    /// Keeps a picture of the motion of a take that it knows; of too large a one nothing.
+    pub(super) fn draw(&self, take: u64, picture: String) {
+        let Ok(mut takes) = self.0.lock() else {
+            return;
+        };
+        let line = takes.iter_mut().find(|line| line.take == take);
+        if let Some(line) = line.filter(|_| picture.len() <= PICTURE_BYTES) {
+            line.has_picture = true;
+            line.picture = Some(picture.into());
+        }
+    }
+
+    /// The picture of a take.
+    pub(super) fn picture(&self, take: u64) -> Option<Arc<str>> {
+        let takes = self.0.lock().ok()?;
+        takes.iter().find(|line| line.take == take)?.picture.clone()
+    }
+
     /// Takes an event in.
     pub(super) fn said(&self, said: &CaptureEvent) {
         match said {
@@ -133,5 +197,12 @@ mod tests {
             (takes[1].text.as_str(), takes[1].is_good),
             ("no marks", Some(false))
         );
+        // Pictures go with their lines, and none is too large.
+        history.draw(28, "<svg/>".to_owned());
+        history.draw(27, "x".repeat(PICTURE_BYTES + 1));
+        history.draw(3, "<svg/>".to_owned());
+        let pictures = [28, 27, 3].map(|take| history.picture(take).is_some());
+        assert_eq!(pictures, [true, false, false]);
+        assert!(history.takes()[2].has_picture);
     }
 }

@@ -6,6 +6,7 @@
 //! | `/state` | 200, what the page shows, as JSON |
 //! | `POST /take` | 202 for an order in JSON that is handed on, 409 and why for one that cannot be obeyed |
 //! | `/health` | 200 `ready`; 503 and what keeps takes from being written, or `draining` once the daemon is told to end |
+//! | `/picture/7.svg` | 200, the motion of take 7, if it is one of the last and has one |
 //! | `/metrics` | 200, the text that Prometheus reads |
 //!
 //! Anything else is refused: another path with 404, another method with 405, a malformed request
@@ -19,8 +20,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use serde_json::json;
-use tokio::io::{AsyncReadExt, AsyncWriteExt};
-use tokio::net::{TcpListener, TcpStream};
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
+use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
 
 use super::director::{Director, Order};
@@ -29,8 +30,8 @@ use super::gate::{Gate, Places, Waiting};
 use super::metrics::Metrics;
 use super::origin::Origins;
 
-const HEAD_BYTES: usize = 8 << 10;
-const BODY_BYTES: usize = 8 << 10;
+pub(super) const HEAD_BYTES: usize = 8 << 10;
+pub(super) const BODY_BYTES: usize = 8 << 10;
 const HEADERS: usize = 64;
 const SHORT_BYTES: usize = 4 << 10;
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -39,7 +40,11 @@ const PAGE: &str = include_str!("operator.html");
 
 /// What a browser may do with the page: nothing but what is in it, and talk to this server.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
-                      connect-src 'self'; img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+                      connect-src 'self'; img-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// What it may do with a picture: show it.
+const PICTURE_POLICY: &str =
+    "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'";
 
 /// The contents of the pages.
 pub(super) struct Pages {
@@ -61,7 +66,7 @@ pub(super) async fn serve(
     let address = listener.local_addr()?;
     let pages = Arc::new(pages);
     let answered = Arc::new(Semaphore::new(places.answered));
-    let gate = Gate::new("metrics", places.waiting, &pages.metrics);
+    let gate = Gate::with_spare("metrics", places.waiting, &pages.metrics);
     let serve = move |stream, waiting| {
         let (pages, answered) = (Arc::clone(&pages), Arc::clone(&answered));
         async move {
@@ -80,31 +85,33 @@ pub(super) async fn serve(
 struct Reply {
     status: &'static str,
     kind: &'static str,
-    body: String,
+    policy: &'static str,
+    body: Arc<str>,
 }
 
 impl Reply {
     fn text(status: &'static str, body: String) -> Self {
         Self {
             status,
-            kind: "text/plain; version=0.0.4; charset=utf-8",
-            body,
+            ..Self::ok("text/plain; version=0.0.4; charset=utf-8", body)
         }
     }
 
-    fn ok(kind: &'static str, body: String) -> Self {
+    fn ok(kind: &'static str, body: impl Into<Arc<str>>) -> Self {
         Self {
             status: "200 OK",
             kind,
-            body,
+            policy: POLICY,
+            body: body.into(),
         }
     }
 }
 
 impl Pages {
-    async fn answer(
+    /// Takes one request and sends the reply.
+    pub(super) async fn answer(
         &self,
-        mut stream: TcpStream,
+        mut stream: impl AsyncRead + AsyncWrite + Unpin,
         waiting: Waiting,
         answered: &Semaphore,
     ) -> std::io::Result<()> {
@@ -130,12 +137,17 @@ impl Pages {
         if is_error {
             self.metrics.requests_refused.add();
         }
-        let Reply { status, kind, body } = reply;
+        let Reply {
+            status,
+            kind,
+            policy,
+            body,
+        } = reply;
         let length = body.len();
         let head = format!(
             "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\n\
              Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n\
-             Content-Security-Policy: {POLICY}\r\nConnection: close\r\n\r\n"
+             Content-Security-Policy: {policy}\r\nConnection: close\r\n\r\n"
         );
         stream.write_all(head.as_bytes()).await?;
         stream.write_all(body.as_bytes()).await?;
@@ -164,12 +176,23 @@ impl Pages {
             "/" | "/state" | "/take" | "/health" | "/metrics" if !is_get || path == "/take" => {
                 refusal("405 Method Not Allowed")
             }
-            "/" => Reply::ok("text/html; charset=utf-8", PAGE.to_owned()),
+            "/" => Reply::ok("text/html; charset=utf-8", PAGE),
             "/state" => Reply::ok("application/json", self.state()),
             "/health" => self.health(),
             "/metrics" => Reply::text("200 OK", self.metrics.text(&self.status.borrow())),
-            _ => refusal("404 Not Found"),
+            _ => match self.picture(path).filter(|_| is_get) {
+                Some(picture) => Reply {
+                    policy: PICTURE_POLICY,
+                    ..Reply::ok("image/svg+xml", picture)
+                },
+                None => refusal("404 Not Found"),
+            },
         })
+    }
+
+    fn picture(&self, path: &str) -> Option<Arc<str>> {
+        let take = path.strip_prefix("/picture/")?.strip_suffix(".svg")?;
+        self.metrics.history.picture(take.parse().ok()?)
     }
 
     fn health(&self) -> Reply {

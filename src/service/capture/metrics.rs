@@ -47,7 +47,7 @@ impl Depth {
         self.0.fetch_sub(1, Ordering::Relaxed);
     }
 
-    fn get(&self) -> i64 {
+    pub(super) fn get(&self) -> i64 {
         // The receiver may count before the sender has counted.
         self.0.load(Ordering::Relaxed).max(0)
     }

@@ -83,13 +83,13 @@
 //! not said yet what they want, the oldest of which makes room for one more, and 32 viewers; fewer
 //! where the process may have fewer than about 550 descriptors, of which 256 are left for trackers and
 //! takes. All viewers together take at most 64 MiB; one that takes ten seconds for a message, or answers
-//! no ping for thirty, is sent away. What others can make the daemon log is logged every ten seconds at most, with how often it
-//! happened.
+//! no ping for thirty, is sent away, and of one that does not read what is sent to it nothing more is taken.
+//! What others can make the daemon log is logged every ten seconds at most, with how often it happened.
 //!
 //! `/health` is 200 while a take could be begun and written, else 503 with the reasons: the last take
 //! could not be recorded, less than 1 MiB is free, no file can be made in the folder or no descriptor be
 //! had (looked at twice a second), the services' files are gone (every second), or a thread has not
-//! moved for 1.5 s.
+//! moved for 1.5 s. It answers where the process has no descriptor left, too: its port keeps one to spare.
 //!
 //! # As a service
 //!
@@ -126,6 +126,8 @@ mod naming;
 mod notice;
 mod notify;
 mod origin;
+#[cfg(any(test, fuzzing))]
+pub mod peers;
 mod preroll;
 mod presence;
 mod previewer;

@@ -15,6 +15,8 @@
 //! and so is the memory of all together ([`hub`]). A page in a browser must be one that may watch
 //! ([`Origins`]). The protocol is in [`websocket`].
 
+#[cfg(any(test, fuzzing))]
+pub(super) mod audience;
 mod hub;
 mod websocket;
 

@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{anyhow, bail};
+use anyhow::bail;
 
-use super::super::finish::check_distinct;
+use super::super::finish::{beside, check_distinct};
 use super::super::output::write_file;
 use super::super::read_back::ReadBack;
 use super::job::{ExportFormat, ExportJob, Exported};
+use crate::ingest::is_pipe;
 use crate::report::{ExportProvenance, prints};
 use crate::write::export::{ExportedBody, bvh, csv, glb, ros2, tum};
 
@@ -56,19 +57,20 @@ pub(super) fn files(
     Ok(files)
 }
 
-/// Writes them, or gives the bytes of one to the caller.
+/// Writes them.
 pub(super) fn write(
     job: &ExportJob,
     files: Vec<(String, Vec<u8>)>,
     exported: &mut Exported,
 ) -> anyhow::Result<()> {
-    let Some(output) = job.to.file(&job.input, job.format.ending())? else {
-        let count = files.len();
-        let [(_, bytes)] = <[_; 1]>::try_from(files)
-            .map_err(|_| anyhow!("{count} trajectories, expected -o FILE: one stream holds one"))?;
-        exported.bytes = bytes;
-        return Ok(());
+    let output = match &job.output {
+        None => beside(&job.input, job.format.ending())?,
+        Some(output) => output.clone(),
     };
+    let count = files.len();
+    if is_pipe(&output) && count > 1 {
+        bail!("{count} trajectories, expected -o FILE: one stream holds one");
+    }
     let named: Vec<(PathBuf, Vec<u8>)> = files
         .into_iter()
         .map(|(addition, bytes)| (with_addition(&output, &addition), bytes))

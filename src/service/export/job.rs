@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::super::output::Destination;
 
 /// What a motion is exported as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,8 +38,9 @@ impl ExportFormat {
 pub struct ExportJob {
     /// A recording with an estimate.
     pub input: PathBuf,
-    /// Where it goes.
-    pub to: Destination,
+    /// Where it goes: that file, files named after it, or [stdout](crate::service::is_pipe); by default the file with
+    /// the ending of its format beside the recording.
+    pub output: Option<PathBuf>,
     /// As what.
     pub format: ExportFormat,
     /// Frames a second.
@@ -70,7 +70,4 @@ pub struct Exported {
     pub lost: Vec<String>,
     /// What to know.
     pub warnings: Vec<String>,
-    /// What is not written to a file.
-    #[serde(skip)]
-    pub bytes: Vec<u8>,
 }

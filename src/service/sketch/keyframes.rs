@@ -99,10 +99,11 @@ impl Motion {
     pub(super) fn estimated(
         scene: &Scene,
         events: Vec<TakeEvent>,
-        working: &Working,
-    ) -> anyhow::Result<(Self, Option<String>)> {
-        let mut stopwatch = Stopwatch::start(Deadline::begin(None), working);
+        (deadline, working): (Deadline, &Working),
+    ) -> anyhow::Result<(Self, Vec<String>)> {
+        let mut stopwatch = Stopwatch::start(deadline, working);
         let outcome = Pipeline::of(scene.clone(), events).finish(&mut stopwatch)?;
+        let has_ended_early = stopwatch.has_ended_it();
         let estimate = &outcome.estimate;
         if estimate.verdict == Verdict::Failed {
             bail!("no motion is found; `replay` says why");
@@ -157,7 +158,10 @@ impl Motion {
         let note = matches!(scene.timing, Timing::Unknown { .. }).then(|| {
             "its times are physical: read it with `stamps = \"physical\"` in the scene".to_owned()
         });
-        Ok((Self { flights, marks }, note))
+        let early =
+            has_ended_early.then(|| "ended at its deadline with the best motion so far".to_owned());
+        let notes = note.into_iter().chain(early).collect();
+        Ok((Self { flights, marks }, notes))
     }
 
     /// The chosen keyframes with the marks, in order of time, which begins with the first.

@@ -21,6 +21,7 @@
 
 mod budget;
 mod damage;
+mod digest;
 mod index;
 mod record;
 mod scan;
@@ -29,6 +30,7 @@ pub mod walk;
 
 pub use budget::Reading;
 pub use damage::{Damage, Damages};
+pub use digest::{Digest, digest};
 pub use index::{Attachment, Channel, Container, ContainerError, Metadata, Schema};
 pub use record::{REPEATED, REPEATS};
 pub use walk::{Message, Walk};

@@ -13,6 +13,7 @@ pub mod gltf;
 pub mod motion;
 pub mod ros2;
 pub mod tables;
+mod verdict;
 
 pub use bvh::bvh;
 pub use frames::{ExportedBody, Key, acted_at, exported_bodies, fastest_turn_rad_s, motion_at};
@@ -20,3 +21,4 @@ pub use gltf::glb;
 pub use motion::{WrittenMotion, scene_of_estimate};
 pub use ros2::ros2;
 pub use tables::{csv, tum};
+pub use verdict::WrittenVerdict;

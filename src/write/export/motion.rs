@@ -178,13 +178,17 @@ fn channels<'a>(container: &'a Container, scene: &Scene) -> BTreeMap<u16, (&'a s
     of.collect()
 }
 
+/// The JSON of a report, as it is or in a ROS 2 string.
+pub(super) fn json_of(data: &[u8]) -> Result<Vec<u8>, DecodeError> {
+    match data.first() {
+        Some(b'{') => Ok(data.to_vec()),
+        _ => Ok(decode_text(data)?.into_bytes()),
+    }
+}
+
 /// What it says, and its JSON.
 fn report_of(data: &[u8]) -> Result<(Report, Vec<u8>), DecodeError> {
-    // JSON as it is, or in a ROS 2 string.
-    let json = match data.first() {
-        Some(b'{') => data.to_vec(),
-        _ => decode_text(data)?.into_bytes(),
-    };
+    let json = json_of(data)?;
     let report = serde_json::from_slice(&json);
     let report = report.map_err(|error| DecodeError::Json(error.to_string()))?;
     Ok((report, json))

@@ -5,11 +5,10 @@
 mod desk;
 
 use std::collections::BTreeSet;
-use std::path::Path;
 
 use enact::ingest::Recording;
 use enact::motion::{Mark, Stamp};
-use enact::service::{Destination, ExportFormat, ExportJob, export};
+use enact::service::{ExportFormat, ExportJob, export};
 use enact::wire::container::Container;
 use enact::write::write_marks;
 use libfuzzer_sys::fuzz_target;
@@ -41,7 +40,7 @@ fuzz_target!(|bytes: &[u8]| {
     ] {
         let job = ExportJob {
             input: input.clone(),
-            to: Destination::File(Path::new(&input).with_file_name("out")),
+            output: Some(input.with_file_name("out")),
             format,
             frame_rate_hz: 1.0,
             with_acted: true,

@@ -1,6 +1,11 @@
 use std::os::unix::fs::MetadataExt;
+use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
+use std::time::Duration;
 
+use tokio::sync::watch;
+
+use super::super::event::Status;
 use super::super::notice;
 use super::*;
 use crate::config::capture_from_toml;

@@ -12,9 +12,10 @@ use std::time::Duration;
 
 use futures_util::{SinkExt, StreamExt};
 use serde::Deserialize;
-use tokio::net::TcpStream;
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{Semaphore, broadcast};
+use tokio::time::error::Elapsed;
 use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::handshake::server::{ErrorResponse, Request, Response};
 use tokio_tungstenite::tungstenite::http::{HeaderValue, StatusCode};
@@ -74,9 +75,9 @@ struct Subscription {
 }
 
 /// A viewer.
-struct Conversation<'a> {
+struct Conversation<'a, S> {
     hub: &'a Hub,
-    socket: WebSocketStream<TcpStream>,
+    socket: WebSocketStream<S>,
     /// Numbers of subscriptions by their channels.
     subscriptions: BTreeMap<u32, u32>,
 }
@@ -86,7 +87,10 @@ struct Over;
 
 impl Server {
     /// Serves one connection to its end.
-    pub(super) async fn serve(self: Arc<Self>, stream: TcpStream, waiting: Waiting) {
+    pub(super) async fn serve<S>(self: Arc<Self>, stream: S, waiting: Waiting)
+    where
+        S: AsyncRead + AsyncWrite + Unpin,
+    {
         let Ok(handshake) = tokio::time::timeout(PATIENCE, self.handshake(stream)).await else {
             return self.refused("its handshake did not end");
         };
@@ -112,16 +116,13 @@ impl Server {
     }
 
     /// Opens the WebSocket of a viewer that may watch, with its place.
-    async fn handshake(
+    async fn handshake<S>(
         &self,
-        stream: TcpStream,
-    ) -> Result<
-        (
-            WebSocketStream<TcpStream>,
-            tokio::sync::OwnedSemaphorePermit,
-        ),
-        String,
-    > {
+        stream: S,
+    ) -> Result<(WebSocketStream<S>, tokio::sync::OwnedSemaphorePermit), String>
+    where
+        S: AsyncRead + AsyncWrite + Unpin,
+    {
         let mut place = None;
         let config = WebSocketConfig::default()
             .read_buffer_size(4 << 10)
@@ -179,7 +180,7 @@ fn refusal(status: StatusCode, why: &str) -> ErrorResponse {
     response
 }
 
-impl Conversation<'_> {
+impl<S: AsyncRead + AsyncWrite + Unpin> Conversation<'_, S> {
     async fn run(&mut self) -> Result<(), Over> {
         let (mut ring, mut large) = self.hub.listen();
         for text in self.hub.greeting() {
@@ -192,6 +193,9 @@ impl Conversation<'_> {
                 received = self.socket.next() => {
                     match received {
                         Some(Ok(Message::Text(text))) => self.received(&text),
+                        // The pong goes out before more is read: of one who pings and does not
+                        // read, none wait here.
+                        Some(Ok(Message::Ping(_))) => self.flush().await?,
                         Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(Over),
                         Some(Ok(_)) => {}
                     }
@@ -246,7 +250,18 @@ impl Conversation<'_> {
 
     /// Sends; a viewer that does not take it in time is sent away.
     async fn send(&mut self, message: Message) -> Result<(), Over> {
-        match tokio::time::timeout(STALL, self.socket.send(message)).await {
+        let sent = tokio::time::timeout(STALL, self.socket.send(message)).await;
+        self.is_taken(sent)
+    }
+
+    /// Sends what waits to be sent.
+    async fn flush(&mut self) -> Result<(), Over> {
+        let sent = tokio::time::timeout(STALL, self.socket.flush()).await;
+        self.is_taken(sent)
+    }
+
+    fn is_taken<E>(&self, sent: Result<Result<(), E>, Elapsed>) -> Result<(), Over> {
+        match sent {
             Ok(Ok(())) => Ok(()),
             Ok(Err(_)) => Err(Over),
             Err(_) => {
