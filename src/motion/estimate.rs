@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::contact_rival::ContactRival;
 use super::doubt::Doubt;
 use super::fit::Fit;
 use super::held::HeldEstimate;
@@ -139,6 +140,8 @@ pub enum Undetermined {
     Parameter(usize),
     /// The time of an event (index into `Scene::events`).
     EventTime(usize),
+    /// What touches at an event where that was inferred (index into `Scene::events`).
+    Contact(usize),
     /// How long the motion lasts.
     Duration,
     /// A part of a mechanism's motion, in one of its flights or in all.
@@ -341,6 +344,8 @@ pub struct Estimate {
     /// Number of other motions that were found and are as near to the keyframes; zero where the
     /// performance is a stream.
     pub rivals: usize,
+    /// Other contacts than those that were inferred which are not ruled out ([`Undetermined::Contact`]).
+    pub contact_rivals: Vec<ContactRival>,
     /// Names of the quantities that the performance does not determine.
     pub undetermined: Vec<Undetermined>,
     /// Work done.

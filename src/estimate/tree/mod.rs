@@ -9,6 +9,7 @@
 //! the start, brings the goals in by a sweep and finishes by sequential quadratic programming.
 
 mod adequacy;
+pub mod before;
 mod bounds;
 mod course;
 mod curvature;
@@ -38,7 +39,10 @@ mod weak;
 #[cfg(test)]
 mod tests;
 
-pub use outcome::estimate;
+pub use before::Before;
+pub use optimum::Solved;
+pub use outcome::{estimate, evidence};
 pub use point::TreePoint;
 pub use problem::TreeProblem;
+pub use solve::{Rival, rival, solve as solved};
 pub use walk::{EXACTLY, ROUGHLY};

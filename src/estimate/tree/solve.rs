@@ -95,6 +95,53 @@ pub fn solve(
     last.expect("it grew at least once")
 }
 
+/// How a problem is solved that differs from a solved one in what touches at its events.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rival {
+    /// From the solved one's motion: goals and touches are brought in anew.
+    Warm,
+    /// From its own first guesses, growing once.
+    Cold,
+}
+
+/// Solves a problem like another one, in which something else touches; `None` where that leads to no optimum.
+pub fn rival(
+    problem: &TreeProblem,
+    starts: &[(f64, TreeState)],
+    (from, how): (&Solved, Rival),
+    observer: &mut dyn Observer,
+) -> Option<Solved> {
+    let mut work = Work::default();
+    let led = match how {
+        Rival::Warm => {
+            let mut again = from.problem.clone();
+            for (event, other) in again.events.iter_mut().zip(&problem.events) {
+                event.touch.clone_from(&other.touch);
+            }
+            again.goals.clone_from(&problem.goals);
+            let led = Grown {
+                problem: again,
+                point: from.solution.point.clone(),
+                is_lost: false,
+            };
+            vec![swept(led, &mut work, observer)]
+        }
+        Rival::Cold => {
+            let of = ((problem, starts), (GROWTHS[0], &mut Random::default()));
+            likeliest(of.0, of.1, &mut None, &mut work, observer)
+        }
+    };
+    for (problem, point) in led {
+        let at_once = Schedule::default().from_the_last();
+        let solved = finished(&problem, &point, &at_once, &mut work, observer);
+        if solved.solution.finished.converged && !solved.is_far() {
+            let solved = in_one(solved, &mut work, observer);
+            return Some(walked(solved, &mut work, observer));
+        }
+    }
+    None
+}
+
 /// Where growing leads from each pace, until two lead to the same: the likeliest, in order. None where stamps are physical times
 /// and the motion is lost.
 fn likeliest(
