@@ -314,22 +314,12 @@ fn collisions_that_are_not_done_are_refused() {
         (
             "surface = \"table\"\nrestitution",
             "other = \"rod 1\"\nrestitution",
-            "not inferred",
+            "no joint ties",
         ),
         (
             "feature = \"end\"\nsurface",
             "features = [\"end\", \"top\"]\nsurface",
             "one contact",
-        ),
-        (
-            "feature = \"end\"\nsurface",
-            "surface",
-            "feature and surface",
-        ),
-        (
-            "surface = \"table\"\nrestitution",
-            "restitution",
-            "feature and surface",
         ),
         (
             "restitution = 0.5",

@@ -275,6 +275,17 @@ impl Estimate {
         spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 
+    /// Takes other contacts that are not ruled out: what touches at their events is not determined.
+    pub fn is_rivalled_by(&mut self, rivals: Vec<ContactRival>) {
+        for rival in &rivals {
+            let open = Undetermined::Contact(rival.event);
+            if !self.undetermined.contains(&open) {
+                self.undetermined.push(open);
+            }
+        }
+        self.contact_rivals = rivals;
+    }
+
     /// Adds doubts: the verdict becomes the best that all of them permit.
     pub fn doubt(&mut self, mut doubts: Vec<Doubt>) {
         doubts.sort_by_key(|doubt| std::cmp::Reverse(doubt.about.best()));

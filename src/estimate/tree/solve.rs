@@ -95,25 +95,26 @@ pub fn solve(
     last.expect("it grew at least once")
 }
 
-/// How a problem is solved that differs from a solved one in what touches at its events.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rival {
-    /// From the solved one's motion: goals and touches are brought in anew.
-    Warm,
+/// How one of several problems is solved that differ in what touches at their events.
+#[derive(Clone, Copy)]
+pub enum Rival<'s> {
+    /// From the motion of another one: goals and touches are brought in anew.
+    Warm(&'s Solved),
     /// From its own first guesses, growing once.
     Cold,
 }
 
-/// Solves a problem like another one, in which something else touches; `None` where that leads to no optimum.
+/// Solves one of several problems that differ in what touches, looking for its motion once; `None` where that leads to no
+/// optimum.
 pub fn rival(
     problem: &TreeProblem,
     starts: &[(f64, TreeState)],
-    (from, how): (&Solved, Rival),
+    how: Rival,
     observer: &mut dyn Observer,
 ) -> Option<Solved> {
     let mut work = Work::default();
     let led = match how {
-        Rival::Warm => {
+        Rival::Warm(from) => {
             let mut again = from.problem.clone();
             for (event, other) in again.events.iter_mut().zip(&problem.events) {
                 event.touch.clone_from(&other.touch);

@@ -10,7 +10,7 @@
 use super::rivals::{Field, Standings, Tried};
 use crate::estimate::tree::{self, Before, Rival, TreeProblem};
 use crate::initialise::{self, contact};
-use crate::motion::{Contacts, Counters, LinkIndex, Observer, Phase, Scene, Sketch, Undetermined};
+use crate::motion::{Contacts, Counters, LinkIndex, Observer, Phase, Scene, Sketch};
 use crate::physics::State;
 use crate::pipeline::infer::NoContact;
 use crate::pipeline::search::SearchWork;
@@ -158,10 +158,16 @@ pub(super) fn infer(
         }
         scene
     };
-    let first = field.tried_whole(scene_of(&choices[0].1), observer);
+    let likeliest = scene_of(&choices[0].1);
     let is_clear = choices.get(1).is_none_or(|(unlikely, _)| *unlikely > CLEAR);
-    let is_near = first.cost_each() <= FAR * ranked.cost_each.max(LEAST_EACH);
-    let mut standings = Standings::new(ranked.contacts(&choices[0].1), first);
+    let first = match is_clear {
+        true => Some(field.tried_whole(likeliest.clone(), observer)),
+        false => field.tried(&likeliest, Rival::Cold, observer),
+    };
+    let each = first.as_ref().map_or(f64::INFINITY, Tried::cost_each);
+    let is_near = each <= FAR * ranked.cost_each.max(LEAST_EACH);
+    let mut standings = Standings::default();
+    standings.add(ranked.contacts(&choices[0].1), first);
     if !(is_clear && is_near && standings.has_sound()) {
         for (index, (_, choice)) in choices.iter().enumerate().skip(1) {
             let contacts = ranked.contacts(choice);
@@ -171,33 +177,22 @@ pub(super) fn infer(
             }
             observer.phase(Phase::Sequence);
             let scene = scene_of(choice);
-            let tried = match standings.motion() {
-                Some(from) => {
-                    let warm = field.tried_from(&scene, (from, Rival::Warm), observer);
-                    match warm {
-                        Some(warm) if warm.is_sound() => Some(warm),
-                        warm => {
-                            let cold = field.tried_from(&scene, (from, Rival::Cold), observer);
-                            Tried::better(warm, cold)
-                        }
-                    }
-                }
-                None => Some(field.tried_whole(scene, observer)),
+            let from = standings.motion().map(|from| Rival::Warm(&from.solved));
+            let warm = from.and_then(|from| field.tried(&scene, from, observer));
+            let tried = match warm {
+                Some(warm) if warm.is_sound() => Some(warm),
+                warm => Tried::better(warm, field.tried(&scene, Rival::Cold, observer)),
             };
             standings.add(contacts, tried);
         }
     }
-    let solves = standings.count();
-    let mut best = standings.best(tree::evidence);
-    let mut counters = best.estimate.counters;
-    counters.add(&ranked.counters);
-    best.estimate.counters = counters;
-    for rival in &best.estimate.contact_rivals {
-        let open = Undetermined::Contact(rival.event);
-        if !best.estimate.undetermined.contains(&open) {
-            best.estimate.undetermined.push(open);
-        }
+    if standings.motion().is_none() {
+        let whole = field.tried_whole(likeliest, observer);
+        standings.add(ranked.contacts(&choices[0].1), Some(whole));
     }
+    let solves = standings.count();
+    let mut best = standings.best();
+    best.estimate.counters.add(&ranked.counters);
     let sequences = ranked.rankings.iter().map(|of| of.candidates.len() as f64);
     let work = SearchWork {
         sequences: sequences.product(),

@@ -24,10 +24,11 @@ pub(super) struct Field<'a> {
 pub(super) struct Tried {
     pub(super) scene: Scene,
     pub(super) estimate: Estimate,
-    solved: Solved,
+    pub(super) solved: Solved,
 }
 
 /// Choices of contacts, each with what came of it.
+#[derive(Default)]
 pub(super) struct Standings {
     all: Vec<(Vec<(usize, Contacts)>, Option<Tried>)>,
     left: Vec<Vec<(usize, Contacts)>>,
@@ -44,16 +45,16 @@ impl Field<'_> {
         self.checked(scene, solved, observer)
     }
 
-    /// The motion of such a scene, from that of another choice; `None` where none is found.
-    pub(super) fn tried_from(
+    /// The motion of such a scene, looked for once; `None` where none is found.
+    pub(super) fn tried(
         &self,
         scene: &Scene,
-        (from, how): (&Tried, Rival),
+        how: Rival,
         observer: &mut dyn Observer,
     ) -> Option<Tried> {
         let problem = TreeProblem::new(scene, self.sketch);
         let starts = initialise::tree::starts(scene, self.sketch, &problem.forest);
-        let solved = tree::rival(&problem, &starts, (&from.solved, how), observer)?;
+        let solved = tree::rival(&problem, &starts, how, observer)?;
         Some(self.checked(scene.clone(), solved, observer))
     }
 
@@ -128,19 +129,12 @@ impl Tried {
 }
 
 impl Standings {
-    pub(super) fn new(contacts: Vec<(usize, Contacts)>, first: Tried) -> Self {
-        Self {
-            counters: first.estimate.counters,
-            all: vec![(contacts, Some(first))],
-            left: Vec::new(),
-        }
-    }
-
-    /// Adds what came of a choice; `None` where no motion was found.
+    /// Adds what came of a choice, in the place of what is known of it; `None` where no motion was found.
     pub(super) fn add(&mut self, contacts: Vec<(usize, Contacts)>, tried: Option<Tried>) {
         if let Some(tried) = &tried {
             self.counters.add(&tried.estimate.counters);
         }
+        self.all.retain(|(other, _)| *other != contacts);
         self.all.push((contacts, tried));
     }
 
@@ -176,12 +170,15 @@ impl Standings {
 
     /// The best one, with what of the others is not ruled out by it: what is as likely by their evidence, what led to no
     /// optimum, what was not tried.
-    pub(super) fn best(mut self, evidence: impl Fn(&Solved) -> Option<f64>) -> Tried {
-        let (at, _) = self.best_at().expect("the first was tried");
+    ///
+    /// # Panics
+    /// Where no choice led to a motion, be it none that has ended.
+    pub(super) fn best(mut self) -> Tried {
+        let (at, _) = self.best_at().expect("one was tried as if it were named");
         let (contacts, best) = self.all.swap_remove(at);
         let mut best = best.expect("it was tried");
         let of_best = (!self.all.is_empty())
-            .then(|| evidence(&best.solved))
+            .then(|| tree::evidence(&best.solved))
             .flatten();
         let mut rivals: Vec<ContactRival> = Vec::new();
         let mut add = |others: &[(usize, Contacts)], standing: Standing| {
@@ -199,7 +196,7 @@ impl Standings {
         for (others, tried) in &self.all {
             match tried {
                 Some(tried) if tried.has_ended() => {
-                    let told = of_best.zip(evidence(&tried.solved));
+                    let told = of_best.zip(tree::evidence(&tried.solved));
                     let is_alike = told.is_none_or(|(best, other)| other > best - ALIKE);
                     if tried.is_sound() && is_alike {
                         add(others, Standing::Alike);
@@ -211,7 +208,7 @@ impl Standings {
         for others in &self.left {
             add(others, Standing::Untried);
         }
-        best.estimate.contact_rivals = rivals;
+        best.estimate.is_rivalled_by(rivals);
         best.estimate.counters = self.counters;
         best
     }
