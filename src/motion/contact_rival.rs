@@ -1,6 +1,6 @@
 //! Contacts that an inferred one is not told from.
 
-use super::open::Contacts;
+use super::scene::Touching;
 
 /// Another contact than the inferred one that is not ruled out.
 #[derive(Clone, Debug, PartialEq)]
@@ -8,7 +8,7 @@ pub struct ContactRival {
     /// The collision (index into `Scene::events`).
     pub event: usize,
     /// What would touch.
-    pub contacts: Contacts,
+    pub contacts: Vec<Touching>,
     /// Why it is not ruled out.
     pub standing: Standing,
 }
