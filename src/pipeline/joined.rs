@@ -2,8 +2,9 @@
 
 mod infer;
 mod rivals;
+mod tried;
 
-use self::rivals::Field;
+use self::tried::Field;
 use super::infer::NoContact;
 use super::outcome::{Outcome, PipelineError};
 use crate::motion::{DropReason, Observer, Phase, Scene, TakeEvent};
@@ -29,7 +30,7 @@ pub(super) fn outcome(
         marks_made_s: &marks_made_s,
     };
     let (inferred, tried, search) = if scene.open_events().is_empty() {
-        let tried = field.tried_whole(scene.clone(), observer);
+        let tried = field.named(scene.clone(), observer);
         (Vec::new(), tried, None)
     } else {
         let ranked = infer::rank(scene, &sketch, observer);

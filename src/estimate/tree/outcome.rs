@@ -23,10 +23,19 @@ const TOLD: f64 = 0.5;
 /// A part of an open direction is named where it has this share of the greatest part.
 const NAMED: f64 = 0.3;
 
+/// How much is told of a motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Told {
+    /// The motion: enough to check it.
+    Motion,
+    /// How certain it is and how well it fits, too.
+    Whole,
+}
+
 /// A solved problem as the estimate of its scene with joined bodies.
 pub fn estimate(
     (scene, sketch): (&Scene, &Sketch),
-    solved: &Solved,
+    (solved, told): (&Solved, Told),
     observer: &mut dyn Observer,
 ) -> Estimate {
     let (problem, solution) = (&solved.problem, &solved.solution);
@@ -50,11 +59,13 @@ pub fn estimate(
         (Some((_, Mechanism::Tree(joined))), None) => Some(joined),
         _ => None,
     };
-    let judged = alone.filter(|_| verdict == Verdict::Physical && problem.tempo.is_none());
+    let is_whole = told == Told::Whole;
+    let is_judged = is_whole && verdict == Verdict::Physical && problem.tempo.is_none();
+    let judged = alone.filter(|_| is_judged);
     let line = &solution.point.time_line(problem);
     let is_asked =
         line.is_unknown() || !problem.events.is_empty() || !problem.parameters.is_empty();
-    let is_asked = finished.converged && is_asked;
+    let is_asked = is_whole && finished.converged && is_asked;
     let linearised = (judged.is_some() || is_asked)
         .then(|| Linearised::new(problem, solution))
         .flatten();
@@ -91,7 +102,7 @@ pub fn estimate(
             false => Some(0.0),
         },
     };
-    let mut undetermined = match is_finite {
+    let mut undetermined = match is_finite && is_whole {
         true => open(solved, scene),
         false => Vec::new(),
     };

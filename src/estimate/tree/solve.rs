@@ -18,7 +18,7 @@ use crate::optimise::{Program, Schedule, Work};
 use crate::physics::tree::TreeState;
 
 /// How the part that counts grows: as a rule, and where that leads to no optimum.
-const GROWTHS: [Growth; 7] = [
+pub(super) const GROWTHS: [Growth; 7] = [
     growth(1.5, Legs::One, KICK_RAD_S),
     growth(1.25, Legs::One, KICK_RAD_S),
     growth(1.5, Legs::One, 2.0),
@@ -95,57 +95,9 @@ pub fn solve(
     last.expect("it grew at least once")
 }
 
-/// How one of several problems is solved that differ in what touches at their events.
-#[derive(Clone, Copy)]
-pub enum Rival<'s> {
-    /// From the motion of another one: goals and touches are brought in anew.
-    Warm(&'s Solved),
-    /// From its own first guesses, growing once.
-    Cold,
-}
-
-/// Solves one of several problems that differ in what touches, looking for its motion once; `None` where that leads to no
-/// optimum.
-pub fn rival(
-    problem: &TreeProblem,
-    starts: &[(f64, TreeState)],
-    how: Rival,
-    observer: &mut dyn Observer,
-) -> Option<Solved> {
-    let mut work = Work::default();
-    let led = match how {
-        Rival::Warm(from) => {
-            let mut again = from.problem.clone();
-            for (event, other) in again.events.iter_mut().zip(&problem.events) {
-                event.touch.clone_from(&other.touch);
-            }
-            again.goals.clone_from(&problem.goals);
-            let led = Grown {
-                problem: again,
-                point: from.solution.point.clone(),
-                is_lost: false,
-            };
-            vec![swept(led, &mut work, observer)]
-        }
-        Rival::Cold => {
-            let of = ((problem, starts), (GROWTHS[0], &mut Random::default()));
-            likeliest(of.0, of.1, &mut None, &mut work, observer)
-        }
-    };
-    for (problem, point) in led {
-        let at_once = Schedule::default().from_the_last();
-        let solved = finished(&problem, &point, &at_once, &mut work, observer);
-        if solved.solution.finished.converged && !solved.is_far() {
-            let solved = in_one(solved, &mut work, observer);
-            return Some(walked(solved, &mut work, observer));
-        }
-    }
-    None
-}
-
 /// Where growing leads from each pace, until two lead to the same: the likeliest, in order. None where stamps are physical times
 /// and the motion is lost.
-fn likeliest(
+pub(super) fn likeliest(
     (problem, starts): (&TreeProblem, &[(f64, TreeState)]),
     (growth, random): (Growth, &mut Random),
     lost: &mut Option<Grown>,
@@ -197,7 +149,7 @@ fn likeliest(
 
 /// The same optimum on the state at the start alone, of which the whole motion is one flow; where errors grow too much
 /// for that, as it was on several legs.
-fn in_one(mut solved: Solved, work: &mut Work, observer: &mut dyn Observer) -> Solved {
+pub(super) fn in_one(mut solved: Solved, work: &mut Work, observer: &mut dyn Observer) -> Solved {
     let (problem, solution) = (&solved.problem, &solved.solution);
     if problem.nodes_s.len() == 1 || solution.stopped {
         return solved;

@@ -7,8 +7,9 @@
 //! it would be, so that it leads to the same motion; further ones from where that led. A choice that was not solved to an
 //! optimum, or not tried, is a rival that is not ruled out, and the estimate says so.
 
-use super::rivals::{Field, Standings, Tried};
-use crate::estimate::tree::{self, Before, Rival, TreeProblem};
+use super::rivals::Standings;
+use super::tried::{Came, Field, Tried};
+use crate::estimate::tree::{Before, TreeProblem};
 use crate::initialise::{self, contact};
 use crate::motion::{Contacts, Counters, LinkIndex, Observer, Phase, Scene, Sketch};
 use crate::physics::State;
@@ -158,40 +159,32 @@ pub(super) fn infer(
         }
         scene
     };
-    let likeliest = scene_of(&choices[0].1);
+    let mut standings = Standings::default();
+    let likeliest = || scene_of(&choices[0].1);
     let is_clear = choices.get(1).is_none_or(|(unlikely, _)| *unlikely > CLEAR);
     let first = match is_clear {
-        true => Some(field.tried_whole(likeliest.clone(), observer)),
-        false => field.tried(&likeliest, Rival::Cold, observer),
+        true => Came::Tried(Box::new(field.named(likeliest(), observer))),
+        false => field.rival(likeliest(), None, observer),
     };
-    let each = first.as_ref().map_or(f64::INFINITY, Tried::cost_each);
-    let is_near = each <= FAR * ranked.cost_each.max(LEAST_EACH);
-    let mut standings = Standings::default();
+    let is_near = |of: &Tried| of.cost_each() <= FAR * ranked.cost_each.max(LEAST_EACH);
     standings.add(ranked.contacts(&choices[0].1), first);
-    if !(is_clear && is_near && standings.has_sound()) {
+    let is_answer = |of: &Tried| is_clear && is_near(of) && of.is_sound();
+    if !standings.motion().is_some_and(is_answer) {
         for (index, (_, choice)) in choices.iter().enumerate().skip(1) {
-            let contacts = ranked.contacts(choice);
-            if index >= SOLVED_MOST || observer.should_stop() {
-                standings.leave(contacts);
-                continue;
-            }
             observer.phase(Phase::Sequence);
-            let scene = scene_of(choice);
-            let from = standings.motion().map(|from| Rival::Warm(&from.solved));
-            let warm = from.and_then(|from| field.tried(&scene, from, observer));
-            let tried = match warm {
-                Some(warm) if warm.is_sound() => Some(warm),
-                warm => Tried::better(warm, field.tried(&scene, Rival::Cold, observer)),
+            let came = match index >= SOLVED_MOST || observer.should_stop() {
+                true => Came::Left,
+                false => field.rival(scene_of(choice), standings.motion(), observer),
             };
-            standings.add(contacts, tried);
+            standings.add(ranked.contacts(choice), came);
         }
     }
     if standings.motion().is_none() {
-        let whole = field.tried_whole(likeliest, observer);
-        standings.add(ranked.contacts(&choices[0].1), Some(whole));
+        let named = field.named(likeliest(), observer);
+        standings.add(ranked.contacts(&choices[0].1), Came::Tried(Box::new(named)));
     }
     let solves = standings.count();
-    let mut best = standings.best();
+    let mut best = standings.best(field, observer);
     best.estimate.counters.add(&ranked.counters);
     let sequences = ranked.rankings.iter().map(|of| of.candidates.len() as f64);
     let work = SearchWork {
