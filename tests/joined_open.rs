@@ -138,17 +138,21 @@ fn what_cannot_be_told_apart_is_said() {
     );
 }
 
-/// Stops once a motion with the likeliest contact is found.
-struct Hasty(usize);
+/// Stops so many questions after the likeliest contact has its motion.
+struct Hasty {
+    phases: usize,
+    asked: usize,
+}
 
 impl Observer for Hasty {
     fn phase(&mut self, phase: Phase) {
-        self.0 += usize::from(phase == Phase::Sequence);
+        self.phases += usize::from(phase == Phase::Sequence);
     }
 
     fn should_stop(&mut self) -> bool {
         // The first is the ranking.
-        self.0 > 1
+        self.asked -= usize::from(self.phases > 1).min(self.asked);
+        self.asked == 0
     }
 }
 
@@ -160,10 +164,13 @@ fn a_rival_without_a_motion_is_not_ruled_out() {
         let end = "end = [0, 0, -100.0]";
         opened(text).replace(end, &format!("{end}, beside = [0, 1, -100.0]"))
     });
-    let outcome = finished(&open, &mut Hasty(0));
-    let rivals = &outcome.estimate.contact_rivals;
-    let standings: Vec<Standing> = rivals.iter().map(|of| of.standing).collect();
-    assert_eq!(standings, [Standing::Lost], "{rivals:?}");
-    let undetermined = &outcome.estimate.undetermined;
-    assert!(undetermined.contains(&Undetermined::Contact(1)));
+    for (asked, standing) in [(1, Standing::Untried), (2, Standing::Lost)] {
+        let hasty = &mut Hasty { phases: 0, asked };
+        let outcome = finished(&open, hasty);
+        let rivals = &outcome.estimate.contact_rivals;
+        let standings: Vec<Standing> = rivals.iter().map(|of| of.standing).collect();
+        assert_eq!(standings, [standing], "{rivals:?}");
+        let undetermined = &outcome.estimate.undetermined;
+        assert!(undetermined.contains(&Undetermined::Contact(1)));
+    }
 }

@@ -2,7 +2,6 @@
 
 use super::grow::Grown;
 use super::optimum::{Solved, finished};
-use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
 use super::solve::{GROWTHS, in_one, likeliest, swept};
@@ -12,9 +11,11 @@ use crate::motion::Observer;
 use crate::optimise::{Program, Schedule, Work};
 use crate::physics::tree::TreeState;
 
-/// A motion whose samples cost so many times what they do in the best one is worse, wherever it leads: with the goals
-/// and touches it would cost more.
+/// A motion is worse that is near to what touches and to the goals, and whose samples cost so many times what they do in the
+/// best one.
 const WORSE: f64 = 4.0;
+/// How near it is then, in units.
+const NEARLY: f64 = 1e-3;
 /// Valleys are walked along of what costs at most so many times as much as the best.
 const NEAR: f64 = 1.5;
 
@@ -28,8 +29,9 @@ pub enum Led {
     Lost,
 }
 
-/// Solves such a problem as another one is that names what touches, but growing once, and where that leads to nothing, from the
-/// motion of the best of the others. Given up on as soon as its samples cost [`WORSE`] times as much as the best's.
+/// Solves such a problem as another one is that names what touches, but growing once, and where that leads to nothing, or to
+/// what is much worse, from the motion of the best of the others. What is [worse](WORSE) after steps in a trust region is not
+/// followed to its optimum.
 pub fn rival(
     problem: &TreeProblem,
     starts: &[(f64, TreeState)],
@@ -51,7 +53,9 @@ pub fn rival(
             (true, Some(best)) => swept(moved(problem, best), &mut work, observer),
             (true, None) => break,
         };
-        if cost(&problem, &point) > times(WORSE) {
+        let program = TreeProgram::new(&problem, point.clone());
+        let there = program.evaluated(&Part::whole(), &point);
+        if there.cost > times(WORSE) && there.violation() <= NEARLY {
             is_worse = true;
             continue;
         }
@@ -67,7 +71,7 @@ pub fn rival(
         }
         return Led::Solved(Box::new(solved));
     }
-    match is_worse && !is_lost {
+    match is_worse && !is_lost && !observer.should_stop() {
         true => Led::Worse,
         false => Led::Lost,
     }
@@ -85,9 +89,4 @@ fn moved(problem: &TreeProblem, from: &Solved) -> Grown {
         point: from.solution.point.clone(),
         is_lost: false,
     }
-}
-
-fn cost(problem: &TreeProblem, point: &TreePoint) -> f64 {
-    let program = TreeProgram::new(problem, point.clone());
-    program.evaluated(&Part::whole(), point).cost
 }
