@@ -113,7 +113,7 @@ impl Performed {
             open_s,
             is_motion: estimate.verdict != Verdict::Failed,
             is_right: inferred == truth,
-            is_certain: !events.iter().any(|event| is_open(event)),
+            is_certain: !events.iter().any(is_open),
             has_truth,
             inferred,
             truth,
