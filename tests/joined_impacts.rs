@@ -6,7 +6,7 @@ use enact::physics::tree::Snapshot;
 use enact::pipeline::{Outcome, Pipeline};
 use enact::verify;
 use enact_tools::replay::Program;
-use enact_tools::tree_impacts::{Acted, Strike, Struck, strike};
+use enact_tools::tree_impacts::{Acted, Form, Strike, Struck, strike};
 use enact_tools::trees::Jointed;
 use tempfile::TempDir;
 
@@ -14,6 +14,7 @@ const ENACT: Program = Program(env!("CARGO_BIN_EXE_enact"));
 
 const fn struck(links: usize, joints: Jointed, hangs_m: Option<f64>, impacts: usize) -> Struck {
     Struck {
+        form: Form::Rod,
         links,
         joints,
         hangs_m,
@@ -313,22 +314,12 @@ fn collisions_that_are_not_done_are_refused() {
         (
             "surface = \"table\"\nrestitution",
             "other = \"rod 1\"\nrestitution",
-            "not inferred",
+            "no joint ties",
         ),
         (
             "feature = \"end\"\nsurface",
             "features = [\"end\", \"top\"]\nsurface",
             "one contact",
-        ),
-        (
-            "feature = \"end\"\nsurface",
-            "surface",
-            "feature and surface",
-        ),
-        (
-            "surface = \"table\"\nrestitution",
-            "restitution",
-            "feature and surface",
         ),
         (
             "restitution = 0.5",

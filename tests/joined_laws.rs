@@ -3,7 +3,7 @@
 use enact::config::scene_from_toml;
 use enact::motion::{AtBound, Estimate, FreeParameter, Quantity, Verdict};
 use enact::pipeline::Pipeline;
-use enact_tools::tree_impacts::{Acted, Strike, Struck, strike};
+use enact_tools::tree_impacts::{Acted, Form, Strike, Struck, strike};
 use enact_tools::trees::{self, Jointed, Kind, TreeActing};
 
 const LAW: [f64; 2] = [0.5, 0.2];
@@ -11,6 +11,7 @@ const LAW: [f64; 2] = [0.5, 0.2];
 /// A pendulum above the table, and a chain.
 const KINDS: [Struck; 2] = [
     Struck {
+        form: Form::Rod,
         links: 2,
         joints: Jointed::Universal,
         hangs_m: Some(0.35),
@@ -18,6 +19,7 @@ const KINDS: [Struck; 2] = [
         law: LAW,
     },
     Struck {
+        form: Form::Rod,
         links: 3,
         joints: Jointed::Universal,
         hangs_m: None,

@@ -236,8 +236,6 @@ fn meetings_that_are_not_done_are_refused() {
     let whole = meet(&KINDS[0], &Acted::of(1.0), 8150).scene_toml;
     assert!(scene_from_toml(&whole).is_ok());
     for (from, to, said) in [
-        ("other_feature = \"face +z\"\n", "", "not inferred"),
-        ("feature = \"end -z\"\nother", "other", "not inferred"),
         (
             "other = \"box\"\nother_feature = \"face +z\"",
             "other = \"rod 1\"\nother_feature = \"end -z\"",

@@ -7,7 +7,7 @@ use enact::physics::tree::JointKind;
 use enact::pipeline::{Outcome, Pipeline};
 use enact::sampling::SampledMotion;
 use enact_tools::replay::Program;
-use enact_tools::tree_impacts::{Acted, Strike, Struck, strike};
+use enact_tools::tree_impacts::{Acted, Form, Strike, Struck, strike};
 use enact_tools::trees::Jointed;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use tempfile::TempDir;
@@ -17,6 +17,7 @@ const ENACT: Program = Program(env!("CARGO_BIN_EXE_enact"));
 /// Flying rods that hit the table once and fly on, with so many seconds to come to rest.
 fn thrown(joints: Jointed, settle_s: f64, seed: u64) -> Strike {
     let flail = Struck {
+        form: Form::Rod,
         links: 3,
         joints,
         hangs_m: None,

@@ -4,7 +4,7 @@ use enact::config::scene_from_toml;
 use enact::motion::{Estimate, Stamp, TakeEvent, Timing, Undetermined, Verdict};
 use enact::pipeline::Pipeline;
 use enact_tools::replay::Program;
-use enact_tools::tree_impacts::{Acted, Struck, strike};
+use enact_tools::tree_impacts::{Acted, Form, Struck, strike};
 use enact_tools::trees::{self, Jointed, Kind, TreeActing, TreePerformance};
 use tempfile::TempDir;
 
@@ -134,6 +134,7 @@ fn impacts_in_slow_motion_are_where_they_were() {
         mark_sd_s: 0.0,
     };
     let flail = Struck {
+        form: Form::Rod,
         links: 2,
         joints: Jointed::Pin,
         hangs_m: None,

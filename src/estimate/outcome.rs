@@ -85,6 +85,7 @@ pub fn estimate(
         fit: None,
         suspects: Vec::new(),
         rivals: 0,
+        contact_rivals: Vec::new(),
         undetermined: Vec::new(),
         counters,
     }

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::contact_rival::ContactRival;
 use super::doubt::Doubt;
 use super::fit::Fit;
 use super::held::HeldEstimate;
@@ -139,6 +140,8 @@ pub enum Undetermined {
     Parameter(usize),
     /// The time of an event (index into `Scene::events`).
     EventTime(usize),
+    /// What touches at an event where that was inferred (index into `Scene::events`).
+    Contact(usize),
     /// How long the motion lasts.
     Duration,
     /// A part of a mechanism's motion, in one of its flights or in all.
@@ -272,6 +275,17 @@ impl Estimate {
         spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 
+    /// Takes other contacts that are not ruled out: what touches at their events is not determined.
+    pub fn is_rivalled_by(&mut self, rivals: Vec<ContactRival>) {
+        for rival in &rivals {
+            let open = Undetermined::Contact(rival.event);
+            if !self.undetermined.contains(&open) {
+                self.undetermined.push(open);
+            }
+        }
+        self.contact_rivals = rivals;
+    }
+
     /// Adds doubts: the verdict becomes the best that all of them permit.
     pub fn doubt(&mut self, mut doubts: Vec<Doubt>) {
         doubts.sort_by_key(|doubt| std::cmp::Reverse(doubt.about.best()));
@@ -341,6 +355,8 @@ pub struct Estimate {
     /// Number of other motions that were found and are as near to the keyframes; zero where the
     /// performance is a stream.
     pub rivals: usize,
+    /// Other contacts than those that were inferred which are not ruled out ([`Undetermined::Contact`]).
+    pub contact_rivals: Vec<ContactRival>,
     /// Names of the quantities that the performance does not determine.
     pub undetermined: Vec<Undetermined>,
     /// Work done.

@@ -143,6 +143,7 @@ pub(crate) fn estimate() -> Estimate {
             sd_s: Some(0.012),
         },
         rivals: 0,
+        contact_rivals: Vec::new(),
         undetermined: vec![Undetermined::Parameter(0)],
         counters: Counters::default(),
     }

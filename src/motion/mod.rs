@@ -4,6 +4,7 @@
 //! is said of it ([`diagnosis`]), its continuation ([`settled`]) and how it ends ([`rest`]), free flights in a path
 //! ([`mod@fall`]), and the observer of a run ([`observe`]).
 
+pub mod contact_rival;
 pub mod diagnosis;
 pub mod doubt;
 pub mod estimate;
@@ -34,6 +35,7 @@ pub mod time_map;
 pub mod verdict;
 pub mod verification;
 
+pub use contact_rival::{ContactRival, Standing};
 pub use diagnosis::{
     Diagnosis, Distance, LengthUnit, MountSlip, QuaternionSlip, Remedy, SignedAxis,
 };

@@ -117,7 +117,13 @@ impl Scene {
     /// open.
     pub fn contact_words(&self, event: usize) -> Option<String> {
         let collision = self.events[event].kind.collision()?;
-        let words = collision.contacts.iter().map(|touching| {
+        self.words_of(event, &collision.contacts)
+    }
+
+    /// [`Scene::contact_words`] of other contacts.
+    pub fn words_of(&self, event: usize, contacts: &[Touching]) -> Option<String> {
+        let collision = self.events[event].kind.collision()?;
+        let words = contacts.iter().map(|touching| {
             let feature = &self.links[collision.link].features[touching.feature?].name;
             let other = match collision.partner {
                 Partner::World => &self.surfaces[touching.other?].name,

@@ -20,8 +20,13 @@ pub(super) fn events(said: &Said) -> String {
             } else {
                 ""
             };
+            let rivals = event.contact_rivals.iter().map(|of| {
+                let [contact, standing] = [&of.contact, &of.standing].map(|of| escaped(of));
+                format!("<br>or <bdi>{contact}</bdi> ({standing})")
+            });
+            let rivals: String = rivals.collect();
             format!(
-                "<br><span class=\"note\"><bdi>{}</bdi>{inferred}</span>",
+                "<br><span class=\"note\"><bdi>{}</bdi>{inferred}{rivals}</span>",
                 escaped(contact)
             )
         });

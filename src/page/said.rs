@@ -85,6 +85,13 @@ pub(super) struct Diagnosis {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
+pub(super) struct ContactRival {
+    pub contact: String,
+    pub standing: String,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
 pub(super) struct Event {
     pub name: String,
     pub kind: String,
@@ -96,6 +103,7 @@ pub(super) struct Event {
     pub bodies: Vec<String>,
     pub contact: Option<String>,
     pub contact_inferred: bool,
+    pub contact_rivals: Vec<ContactRival>,
     pub gap_m: Option<f64>,
     pub gap_rad: Option<f64>,
     pub gap_m_s: Option<f64>,

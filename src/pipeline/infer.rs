@@ -6,7 +6,9 @@ use super::sound::is_sound;
 use crate::estimate::problem::Problem;
 use crate::estimate::{self, Recipe, Solved};
 use crate::initialise::contact;
-use crate::motion::{Contacts, Guess, Observer, Scene, Segment, Sketch, VelocityGaps};
+use crate::motion::{
+    ContactRival, Contacts, Guess, Observer, Scene, Segment, Sketch, Standing, VelocityGaps,
+};
 
 /// Greatest cost of a motion relative to that of the fits of its arcs; above it others are
 /// searched.
@@ -20,6 +22,8 @@ pub(super) struct Inferred {
     pub(super) events: Vec<usize>,
     /// Work of the search, if there was one.
     pub(super) search: Option<SearchWork>,
+    /// Contacts that are not ruled out.
+    pub(super) rivals: Vec<ContactRival>,
 }
 
 /// Estimates the motion, and infers the contacts that the scene leaves open.
@@ -68,6 +72,7 @@ pub(super) fn infer(
                 solved,
                 events,
                 search: None,
+                rivals: Vec::new(),
             });
         }
         first = Some(solved);
@@ -95,10 +100,25 @@ pub(super) fn infer(
         choice,
         mut solved,
         work,
+        lost,
     } = search(&field, recipe, observer).expect("every collision has a candidate");
     let mut understood = scene.clone();
     for ((event, candidates), chosen) in open.iter().zip(&choice) {
         understood.set_contacts(*event, &candidates[*chosen]);
+    }
+    let mut rivals: Vec<ContactRival> = Vec::new();
+    for other in lost {
+        let both = choice.iter().zip(other).zip(&open);
+        for ((_, other), (event, candidates)) in both.filter(|((own, other), _)| *own != other) {
+            let rival = ContactRival {
+                event: *event,
+                contacts: candidates[other].clone(),
+                standing: Standing::Lost,
+            };
+            if !rivals.contains(&rival) {
+                rivals.push(rival);
+            }
+        }
     }
     if !work.is_proven {
         solved.estimate.reason.unproven_after_bounds = Some(work.bounds);
@@ -108,6 +128,7 @@ pub(super) fn infer(
         solved,
         events,
         search: Some(work),
+        rivals,
     })
 }
 

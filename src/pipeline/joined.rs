@@ -1,9 +1,14 @@
 //! The motion of a scene with joined bodies: from the events of a take to its estimate.
 
+mod infer;
+mod rivals;
+mod tried;
+
+use self::tried::Field;
+use super::infer::NoContact;
 use super::outcome::{Outcome, PipelineError};
-use crate::estimate::tree::{TreeProblem, estimate};
 use crate::motion::{DropReason, Observer, Phase, Scene, TakeEvent};
-use crate::{initialise, segment, verify};
+use crate::segment;
 
 /// The outcome of a take; `None` of a scene in which no bodies are joined.
 pub(super) fn outcome(
@@ -17,10 +22,24 @@ pub(super) fn outcome(
     observer.phase(Phase::Clean);
     let (mut sketch, mut counts) = segment::clean::clean(scene, events)?;
     segment::hold(scene, &mut sketch)?;
-    let problem = TreeProblem::new(scene, &sketch);
-    let span_s = problem.span_s;
-    let starts = initialise::tree::starts(scene, &sketch, &problem.forest);
-    let mut estimate = estimate(scene, &sketch, &problem, &starts, observer);
+    let span_s = sketch.whole_span_s(scene);
+    let marks_made_s: Vec<Option<f64>> = sketch.marks_s.iter().copied().map(Some).collect();
+    let field = Field {
+        scene,
+        sketch: &sketch,
+        marks_made_s: &marks_made_s,
+    };
+    let (inferred, tried, search) = if scene.open_events().is_empty() {
+        let tried = field.named(scene.clone(), observer);
+        (Vec::new(), tried, None)
+    } else {
+        let ranked = infer::rank(scene, &sketch, observer);
+        let ranked = ranked.map_err(|NoContact { event }| PipelineError::NoContact {
+            event: scene.events[event].name.clone(),
+        })?;
+        let (tried, work) = infer::infer(&ranked, &field, observer);
+        (ranked.events(), tried, Some(work))
+    };
     // Of what is held all samples tell its motion.
     let flying = || sketch.tracks.iter().filter(|track| track.held.is_none());
     let samples = || flying().flat_map(|track| &track.samples);
@@ -35,19 +54,16 @@ pub(super) fn outcome(
     counts.used = held + samples().count() - before - after;
     counts.drop(DropReason::BeforeStart, before);
     counts.drop(DropReason::AfterEnd, after);
-    let marks_made_s: Vec<Option<f64>> = sketch.marks_s.iter().copied().map(Some).collect();
-    let doubts = verify::joined::doubts(scene, (&sketch, &marks_made_s), &estimate);
-    estimate.doubt(doubts);
     Ok(Some(Outcome {
-        scene: scene.clone(),
-        given: scene.clone(),
+        scene: tried.scene.clone(),
+        given: tried.scene,
         freed: Vec::new(),
-        inferred: Vec::new(),
-        search: None,
+        inferred,
+        search,
         sketch,
         marks_made_s,
         counts,
-        estimate,
+        estimate: tried.estimate,
         verification: None,
         settled: None,
         diagnoses: Vec::new(),

@@ -73,7 +73,8 @@ impl Outcome {
         observer: &mut dyn Observer,
     ) -> Self {
         let given = inferred.scene;
-        let estimate = inferred.solved.with_deviations(&given, observer);
+        let mut estimate = inferred.solved.with_deviations(&given, observer);
+        estimate.is_rivalled_by(inferred.rivals);
         let scene = given.as_estimated(&estimate);
         Self {
             estimate,

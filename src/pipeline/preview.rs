@@ -203,6 +203,7 @@ impl Last {
             scene: self.outcome.given,
             events: self.outcome.inferred,
             search: self.outcome.search,
+            rivals: self.outcome.estimate.contact_rivals,
             solved,
         }
     }

@@ -77,6 +77,9 @@ pub(super) struct Found {
     pub(super) choice: Vec<usize>,
     pub(super) solved: Solved,
     pub(super) work: SearchWork,
+    /// Sequences that no motion was found with, which does not show that there is none: what the first ones chosen are
+    /// not told from.
+    pub(super) lost: Vec<Vec<usize>>,
 }
 
 /// Finds the best sequence; `None` where an open collision has no candidate.
@@ -419,6 +422,7 @@ impl<'a> Search<'a> {
                 (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2))
             })
         });
+        let lost = best.map_or_else(Vec::new, |best| self.lost(best));
         let (choice, mut solved) = match best {
             Some(best) => {
                 let solution = self.solutions.swap_remove(best);
@@ -439,7 +443,16 @@ impl<'a> Search<'a> {
             choice,
             solved,
             work: self.work,
+            lost,
         }
+    }
+
+    /// Other sequences than the best that were solved without finding a motion, where that one is one.
+    fn lost(&self, best: usize) -> Vec<Vec<usize>> {
+        let is_failed = |of: &&SolvedSequence| of.solved.estimate.verdict == Verdict::Failed;
+        let others = self.solutions.iter().filter(is_failed);
+        let others = others.filter(|_| self.solutions[best].is_sound);
+        others.map(|of| of.choice.clone()).collect()
     }
 
     /// The longest partial sequence examined, completed step by step by the least bound among the

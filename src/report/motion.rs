@@ -33,6 +33,8 @@ pub struct EventLine {
     pub contact: Option<String>,
     /// Whether that was inferred: the scene leaves it open.
     pub contact_inferred: bool,
+    /// Other contacts that are not ruled out where it was, and why they are not.
+    pub contact_rivals: Vec<RivalLine>,
     /// Largest position gap.
     pub gap_m: f64,
     /// Largest orientation gap.
@@ -41,6 +43,15 @@ pub struct EventLine {
     pub gap_m_s: f64,
     /// Largest angular velocity gap.
     pub gap_rad_s: f64,
+}
+
+/// Another contact than the inferred one.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RivalLine {
+    /// What would touch.
+    pub contact: String,
+    /// `alike`, `no motion found` or `not tried`.
+    pub standing: &'static str,
 }
 
 /// A free parameter as estimated.
@@ -130,6 +141,7 @@ pub(super) fn event_lines(of: &Reported) -> Vec<EventLine> {
                 },
                 contact: scene.contact_words(event.event),
                 contact_inferred: of.inferred.contains(&event.event),
+                contact_rivals: rival_lines(scene, estimate, event.event),
                 gap_m: event.gap.position_m,
                 gap_rad: event.gap.orientation_rad,
                 gap_m_s: event.gap.velocity_m_s,
@@ -137,6 +149,19 @@ pub(super) fn event_lines(of: &Reported) -> Vec<EventLine> {
             }
         })
         .collect()
+}
+
+/// What else may touch at a collision.
+fn rival_lines(scene: &Scene, estimate: &Estimate, event: usize) -> Vec<RivalLine> {
+    let rivals = estimate.contact_rivals.iter();
+    let of_event = rivals.filter(|rival| rival.event == event);
+    let lines = of_event.filter_map(|rival| {
+        Some(RivalLine {
+            contact: scene.words_of(event, &rival.contacts)?,
+            standing: rival.standing.as_str(),
+        })
+    });
+    lines.collect()
 }
 
 /// The free parameters by name, in the scene's order.
@@ -189,6 +214,7 @@ pub(super) fn undetermined_names(scene: &Scene, estimate: &Estimate) -> Vec<Stri
     let name = |of: &Undetermined| match of {
         Undetermined::Parameter(parameter) => estimate.parameters[*parameter].name.clone(),
         Undetermined::EventTime(event) => format!("time of {}", scene.events[*event].name),
+        Undetermined::Contact(event) => format!("contact of {}", scene.events[*event].name),
         Undetermined::Duration => "duration".to_owned(),
         Undetermined::Motion { mechanism, part } => {
             format!(

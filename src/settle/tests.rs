@@ -62,6 +62,7 @@ pub(super) fn estimate(scene: &Scene, state: State) -> Estimate {
         residuals: Vec::new(),
         sample_times: Vec::new(),
         rivals: 0,
+        contact_rivals: Vec::new(),
         undetermined: Vec::new(),
         counters: Counters::default(),
     }

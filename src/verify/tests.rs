@@ -96,6 +96,7 @@ fn estimate(scene: &Scene, arcs: Vec<ArcEstimate>, events_s: &[f64]) -> Estimate
         residuals: Vec::new(),
         sample_times: Vec::new(),
         rivals: 0,
+        contact_rivals: Vec::new(),
         undetermined: Vec::new(),
         counters: Counters::default(),
     }

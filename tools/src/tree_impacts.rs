@@ -19,9 +19,23 @@ use crate::perform::recording;
 use crate::perform::wander::{HAND_ORIENTATION, HAND_POSITION, Wander};
 use crate::trees::{Jointed, RATE_HZ, ROD_M, joint_toml};
 
+/// What the links are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// Thin rods, of which the ends touch.
+    Rod,
+    /// Planks, of which the corners do: cuboids of [`PLANK_M`] across.
+    Plank,
+}
+
+/// Sides of a plank across its length \[m\].
+pub const PLANK_M: [f64; 2] = [0.06, 0.04];
+
 /// What hits the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Struck {
+    /// What its links are.
+    pub form: Form,
     /// Number of rods.
     pub links: usize,
     /// How they are joined.
@@ -134,6 +148,17 @@ impl Strike {
     }
 }
 
+/// Corners of a plank: the first side is the lowest bit.
+const CORNERS: [&str; 8] = [
+    "corner -x -y -z",
+    "corner +x -y -z",
+    "corner -x +y -z",
+    "corner +x +y -z",
+    "corner -x -y +z",
+    "corner +x -y +z",
+    "corner -x +y +z",
+    "corner +x +y +z",
+];
 /// Steps of the integrator per second, about.
 const STEPS_HZ: f64 = 4000.0;
 /// Least time from the start to an impact, between two, and from one to the end \[s\].
@@ -145,9 +170,23 @@ const CLEAR_M: f64 = 0.04;
 /// Longest motion \[s\].
 const LONGEST_S: f64 = 1.2;
 
-/// The ends of the rods: their places in the tree and on them.
+/// What may touch: ends of rods, or corners of planks; their places in the tree, their names and where they are on them.
 fn ends(struck: &Struck) -> Vec<(usize, &'static str, Vector3<f64>)> {
     let half = Vector3::new(0.0, 0.0, 0.5 * ROD_M);
+    if struck.form == Form::Plank {
+        let corners = |link: usize| {
+            CORNERS.iter().enumerate().map(move |(at, name)| {
+                let sign = |axis: usize| if at >> axis & 1 == 0 { -0.5 } else { 0.5 };
+                let [x, y] = PLANK_M;
+                (
+                    link,
+                    *name,
+                    Vector3::new(sign(0) * x, sign(1) * y, sign(2) * ROD_M),
+                )
+            })
+        };
+        return (0..struck.links).flat_map(corners).collect();
+    }
     let top = struck.hangs_m.is_none().then_some((0, "top", half));
     let bottoms = (0..struck.links).map(|link| (link, "end", -half));
     top.into_iter().chain(bottoms).collect()
@@ -298,6 +337,16 @@ fn scene_toml(struck: &Struck, hits: &[(f64, usize)], goals: &str) -> String {
     );
     let half_mm = 500.0 * ROD_M;
     for link in 0..struck.links {
+        if struck.form == Form::Plank {
+            text += &format!(
+                "\n[[body]]\nname = \"rod {}\"\nshape = {{ kind = \"cuboid\", size_mm = [{:?}, {:?}, {:?}] }}\nmass_g = 100\n",
+                link + 1,
+                1e3 * PLANK_M[0],
+                1e3 * PLANK_M[1],
+                1e3 * ROD_M,
+            );
+            continue;
+        }
         text += &format!(
             "\n[[body]]\nname = \"rod {}\"\nshape = {{ kind = \"cylinder\", length_mm = {:?}, radius_mm = 2 }}\nmass_g = 100\nfeatures_mm = {{ top = [0, 0, {half_mm:?}], end = [0, 0, {:?}] }}\n",
             link + 1,

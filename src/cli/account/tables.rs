@@ -78,6 +78,15 @@ fn inferred(report: &EstimateReport) -> String {
     }
     let mut text = String::new();
     push_line(&mut text, format!("  inferred  {}", words.join(", ")));
+    for event in &report.events {
+        let rivals = event.contact_rivals.iter();
+        let rivals = rivals.map(|of| format!("{} ({})", of.contact, of.standing));
+        let rivals: Vec<String> = rivals.collect();
+        if !rivals.is_empty() {
+            let rivals = rivals.join(", ");
+            push_line(&mut text, format!("  or        {} {rivals}", event.name));
+        }
+    }
     text
 }
 

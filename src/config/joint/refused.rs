@@ -84,7 +84,7 @@ pub(in crate::config) fn refuse_free(raw: &RawScene, scene: &Scene) -> Result<()
     fault(place.map_or(0..0, Spanned::span), said)
 }
 
-/// Collisions in a scene with joints are at one contact that it names.
+/// Collisions in a scene with joints are at one contact.
 fn refuse_event(spanned: &Spanned<RawEvent>) -> Result<(), Fault> {
     let event = spanned.get_ref();
     if event.kind.get_ref() != "collision" {
@@ -104,12 +104,6 @@ fn refuse_event(spanned: &Spanned<RawEvent>) -> Result<(), Fault> {
         if let Some(span) = span {
             return fault(span, said);
         }
-    }
-    let is_named =
-        event.surface.is_some() || event.other.is_some() && event.other_feature.is_some();
-    if event.feature.is_none() || !is_named {
-        let said = "what touches is not inferred in a scene with joints, expected feature and surface, or feature, other and other_feature";
-        return fault(spanned.span(), said);
     }
     Ok(())
 }

@@ -9,6 +9,7 @@
 //! the start, brings the goals in by a sweep and finishes by sequential quadratic programming.
 
 mod adequacy;
+pub mod before;
 mod bounds;
 mod course;
 mod curvature;
@@ -25,6 +26,7 @@ pub mod outcome;
 pub mod point;
 pub mod problem;
 pub mod program;
+pub mod rival;
 mod rows;
 pub mod sample;
 mod segments;
@@ -38,7 +40,11 @@ mod weak;
 #[cfg(test)]
 mod tests;
 
-pub use outcome::estimate;
+pub use before::Before;
+pub use optimum::Solved;
+pub use outcome::{Told, estimate, evidence};
 pub use point::TreePoint;
 pub use problem::TreeProblem;
+pub use rival::{Led, rival};
+pub use solve::solve as solved;
 pub use walk::{EXACTLY, ROUGHLY};

@@ -86,7 +86,8 @@ impl Solved {
         self.solution.finished.converged || self.solution.stopped
     }
 
-    pub(super) fn cost(&self) -> f64 {
+    /// Half the sum of squared residuals, priors included.
+    pub fn cost(&self) -> f64 {
         self.solution.system.cost
     }
 

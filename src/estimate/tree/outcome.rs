@@ -7,7 +7,6 @@ use super::adequacy::{self, linearised::Linearised};
 use super::motions::{Motions, motions};
 use super::optimum::Solved;
 use super::problem::TreeProblem;
-use super::solve;
 use super::time_line::TimeLine;
 use super::weak;
 use crate::estimate::constraint::bound::at_bound;
@@ -18,23 +17,27 @@ use crate::motion::{
     MotionPart, Observer, ParameterEstimate, Reason, SampleTime, Scene, Sketch, Undetermined,
     Verdict,
 };
-use crate::physics::tree::TreeState;
 
 /// Share of a direction's information below which the prior says more of it than the sketch.
 const TOLD: f64 = 0.5;
 /// A part of an open direction is named where it has this share of the greatest part.
 const NAMED: f64 = 0.3;
 
-/// The estimate of a scene with joined bodies, from first guesses of the pace in which it is acted, each with the state of all
-/// at the beginning.
+/// How much is told of a motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Told {
+    /// The motion: enough to check it.
+    Motion,
+    /// How certain it is and how well it fits, too.
+    Whole,
+}
+
+/// A solved problem as the estimate of its scene with joined bodies.
 pub fn estimate(
-    scene: &Scene,
-    sketch: &Sketch,
-    problem: &TreeProblem,
-    starts: &[(f64, TreeState)],
+    (scene, sketch): (&Scene, &Sketch),
+    (solved, told): (&Solved, Told),
     observer: &mut dyn Observer,
 ) -> Estimate {
-    let solved = solve::solve(problem, starts, observer);
     let (problem, solution) = (&solved.problem, &solved.solution);
     let finished = &solution.finished;
     let progress = progress(finished);
@@ -56,11 +59,13 @@ pub fn estimate(
         (Some((_, Mechanism::Tree(joined))), None) => Some(joined),
         _ => None,
     };
-    let judged = alone.filter(|_| verdict == Verdict::Physical && problem.tempo.is_none());
+    let is_whole = told == Told::Whole;
+    let is_judged = is_whole && verdict == Verdict::Physical && problem.tempo.is_none();
+    let judged = alone.filter(|_| is_judged);
     let line = &solution.point.time_line(problem);
     let is_asked =
         line.is_unknown() || !problem.events.is_empty() || !problem.parameters.is_empty();
-    let is_asked = finished.converged && is_asked;
+    let is_asked = is_whole && finished.converged && is_asked;
     let linearised = (judged.is_some() || is_asked)
         .then(|| Linearised::new(problem, solution))
         .flatten();
@@ -71,7 +76,7 @@ pub fn estimate(
     let certainty = linearised.filter(|_| is_asked).and_then(Certainty::new);
     let sd_of = |moment: Vec<(usize, f64)>| certainty.as_ref()?.sd(&moment);
     let events =
-        (0..scene.events.len()).map(|event| of_event((&solved, line), &sd_of, sketch, event));
+        (0..scene.events.len()).map(|event| of_event((solved, line), &sd_of, sketch, event));
     let events: Vec<EventEstimate> = events.collect();
     let motions = match knots.is_empty() {
         true => Motions::default(),
@@ -97,8 +102,8 @@ pub fn estimate(
             false => Some(0.0),
         },
     };
-    let mut undetermined = match is_finite {
-        true => open(&solved, scene),
+    let mut undetermined = match is_finite && is_whole {
+        true => open(solved, scene),
         false => Vec::new(),
     };
     if is_finite && !duration.is_determined() {
@@ -145,6 +150,7 @@ pub fn estimate(
         fit,
         suspects: suspects.unwrap_or_default(),
         rivals: 0,
+        contact_rivals: Vec::new(),
         undetermined,
         trees: motions.trees,
         counters: Counters {
@@ -155,6 +161,12 @@ pub fn estimate(
             ..Counters::default()
         },
     }
+}
+
+/// Logarithm of how likely the samples are about a motion, over all that their errors may be: of two motions of the
+/// same sketch the difference is that of the odds. `None` where something there is no number.
+pub fn evidence(solved: &Solved) -> Option<f64> {
+    Linearised::new(&solved.problem, &solved.solution)?.evidence()
 }
 
 /// An event of the scene as estimated.

@@ -109,7 +109,7 @@ impl TreeProblem {
     }
 
     /// The state at a stamp \[s\], from the node before it.
-    fn state_at(&self, point: &TreePoint, time_s: f64) -> TreeState {
+    pub(super) fn state_at(&self, point: &TreePoint, time_s: f64) -> TreeState {
         let node = self.node_of(time_s);
         let line = &point.time_line(self);
         let way_s = (line.time_s(self.nodes_s[node]), line.time_s(time_s));

@@ -18,7 +18,7 @@ use crate::optimise::{Program, Schedule, Work};
 use crate::physics::tree::TreeState;
 
 /// How the part that counts grows: as a rule, and where that leads to no optimum.
-const GROWTHS: [Growth; 7] = [
+pub(super) const GROWTHS: [Growth; 7] = [
     growth(1.5, Legs::One, KICK_RAD_S),
     growth(1.25, Legs::One, KICK_RAD_S),
     growth(1.5, Legs::One, 2.0),
@@ -97,7 +97,7 @@ pub fn solve(
 
 /// Where growing leads from each pace, until two lead to the same: the likeliest, in order. None where stamps are physical times
 /// and the motion is lost.
-fn likeliest(
+pub(super) fn likeliest(
     (problem, starts): (&TreeProblem, &[(f64, TreeState)]),
     (growth, random): (Growth, &mut Random),
     lost: &mut Option<Grown>,
@@ -149,7 +149,7 @@ fn likeliest(
 
 /// The same optimum on the state at the start alone, of which the whole motion is one flow; where errors grow too much
 /// for that, as it was on several legs.
-fn in_one(mut solved: Solved, work: &mut Work, observer: &mut dyn Observer) -> Solved {
+pub(super) fn in_one(mut solved: Solved, work: &mut Work, observer: &mut dyn Observer) -> Solved {
     let (problem, solution) = (&solved.problem, &solved.solution);
     if problem.nodes_s.len() == 1 || solution.stopped {
         return solved;

@@ -75,6 +75,7 @@ fn estimate() -> Estimate {
         residuals: Vec::new(),
         sample_times: Vec::new(),
         rivals: 0,
+        contact_rivals: Vec::new(),
         undetermined: Vec::new(),
         counters: Counters::default(),
     }

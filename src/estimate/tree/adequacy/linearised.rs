@@ -3,6 +3,7 @@
 
 use super::errors::Errors;
 use super::linear::{Held, Linear};
+use super::odds;
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::TreeProblem;
 use crate::optimise::Solution;
@@ -39,5 +40,13 @@ impl<'s> Linearised<'s> {
             active,
             linear,
         })
+    }
+
+    /// Logarithm of the likelihood of the samples, over all models of their errors; `None` where there is none.
+    pub(in crate::estimate::tree) fn evidence(&self) -> Option<f64> {
+        let columns = (&[][..], &self.linear.residuals);
+        let information = self.problem.information.0;
+        let left = self.errors.left(&self.held.free, columns, information);
+        (!left.is_empty()).then(|| odds::evidence(&left))
     }
 }

@@ -5,7 +5,7 @@ use enact::motion::{Fits, Scene, TakeEvent, Verdict};
 use enact::pipeline::Pipeline;
 use enact_tools::elbow::{self, Reads};
 use enact_tools::joint_wrongs::Wrong;
-use enact_tools::tree_impacts::{Acted, Struck, strike};
+use enact_tools::tree_impacts::{Acted, Form, Struck, strike};
 use enact_tools::trees::{Jointed, Kind, TreeActing, perform};
 use serde::Serialize;
 
@@ -121,6 +121,7 @@ fn kinds() -> Vec<(String, Performer)> {
             ("flail that hits, seen", None),
         ] {
             let struck = Struck {
+                form: Form::Rod,
                 links: 2,
                 joints: Jointed::Universal,
                 hangs_m,

@@ -55,6 +55,7 @@ mod spent;
 mod statistics;
 mod stress;
 mod struck;
+mod struck_open;
 mod table;
 mod tosses;
 mod trees;
@@ -244,6 +245,11 @@ const SUBJECTS: &[Subject] = &[
         "struck",
         "joined bodies that hit a table: how often, how near to the truth, in what time",
         struck::run
+    ),
+    subject!(
+        "struck_open",
+        "joined bodies that hit something, where the scene does not say what touches: how often it is inferred rightly",
+        struck_open::run
     ),
     subject!(
         "elbow",

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use enact::motion::Verdict;
 use enact::pipeline::Pipeline;
-use enact_tools::tree_impacts::{Acted, Strike, Struck, strike};
+use enact_tools::tree_impacts::{Acted, Form, Strike, Struck, strike};
 use enact_tools::tree_meetings::{Meet, Met, meet};
 use enact_tools::trees::Jointed;
 use serde::Serialize;
@@ -106,6 +106,7 @@ fn kinds() -> Vec<(String, Kind)> {
     ] {
         kinds.extend(joints.map(|(name, joints)| {
             let struck = Struck {
+                form: Form::Rod,
                 links,
                 joints,
                 hangs_m,

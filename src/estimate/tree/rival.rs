@@ -1,0 +1,92 @@
+//! One of several problems that differ in what touches at their events: solved as far as it may be the best of them.
+
+use super::grow::Grown;
+use super::optimum::{Solved, finished};
+use super::problem::TreeProblem;
+use super::program::{Part, TreeProgram};
+use super::solve::{GROWTHS, in_one, likeliest, swept};
+use super::valley::walked;
+use crate::math::random::Random;
+use crate::motion::Observer;
+use crate::optimise::{Program, Schedule, Work};
+use crate::physics::tree::TreeState;
+
+/// A motion is worse that is near to what touches and to the goals, and whose samples cost so many times what they do in the
+/// best one.
+const WORSE: f64 = 4.0;
+/// How near it is then, in units.
+const NEARLY: f64 = 1e-3;
+/// Valleys are walked along of what costs at most so many times as much as the best.
+const NEAR: f64 = 1.5;
+
+/// Where the solution of such a problem led.
+pub enum Led {
+    /// To an optimum.
+    Solved(Box<Solved>),
+    /// To what costs much more than the best.
+    Worse,
+    /// To nothing.
+    Lost,
+}
+
+/// Solves such a problem as another one is that names what touches, but growing once, and where that leads to nothing, or to
+/// what is much worse, from the motion of the best of the others. What is [worse](WORSE) after steps in a trust region is not
+/// followed to its optimum.
+pub fn rival(
+    problem: &TreeProblem,
+    starts: &[(f64, TreeState)],
+    best: Option<&Solved>,
+    observer: &mut dyn Observer,
+) -> Led {
+    let mut work = Work::default();
+    let times = |share: f64| best.map_or(f64::INFINITY, |best| share * best.cost());
+    let of = ((problem, starts), (GROWTHS[0], &mut Random::default()));
+    let mut ways = likeliest(of.0, of.1, &mut None, &mut work, observer);
+    let (mut is_worse, mut is_lost) = (false, false);
+    let mut warm = best;
+    loop {
+        let (problem, point) = match (ways.is_empty(), warm.take()) {
+            (false, kept) => {
+                warm = kept;
+                ways.remove(0)
+            }
+            (true, Some(best)) => swept(moved(problem, best), &mut work, observer),
+            (true, None) => break,
+        };
+        let program = TreeProgram::new(&problem, point.clone());
+        let there = program.evaluated(&Part::whole(), &point);
+        if there.cost > times(WORSE) && there.violation() <= NEARLY {
+            is_worse = true;
+            continue;
+        }
+        let at_once = Schedule::default().from_the_last();
+        let solved = finished(&problem, &point, &at_once, &mut work, observer);
+        if !solved.solution.finished.converged || solved.is_far() {
+            is_lost = true;
+            continue;
+        }
+        let mut solved = in_one(solved, &mut work, observer);
+        if solved.cost() <= times(NEAR) {
+            solved = walked(solved, &mut work, observer);
+        }
+        return Led::Solved(Box::new(solved));
+    }
+    match is_worse && !is_lost && !observer.should_stop() {
+        true => Led::Worse,
+        false => Led::Lost,
+    }
+}
+
+/// The motion of another problem, with what touches in this one.
+fn moved(problem: &TreeProblem, from: &Solved) -> Grown {
+    let mut again = from.problem.clone();
+    for (event, other) in again.events.iter_mut().zip(&problem.events) {
+        event.touch.clone_from(&other.touch);
+    }
+    again.goals.clone_from(&problem.goals);
+    Grown {
+        problem: again,
+        point: from.solution.point.clone(),
+        is_lost: false,
+    }
+}

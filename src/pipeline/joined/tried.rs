@@ -1,0 +1,169 @@
+//! A motion of joined bodies with all contacts known: solved, checked, and compared with others.
+
+use std::cell::OnceCell;
+
+use crate::estimate::tree::{self, Led, Solved, Told, TreeProblem};
+use crate::initialise;
+use crate::motion::{About, Estimate, Observer, Scene, Sketch, Verdict};
+use crate::physics::tree::TreeState;
+use crate::verify;
+
+/// Logarithm of the odds within which two contacts are not told from each other: of twenty.
+const ALIKE: f64 = 3.0;
+
+/// What all choices are tried for.
+pub(super) struct Field<'a> {
+    /// The scene, with its open collisions.
+    pub(super) scene: &'a Scene,
+    /// The performance.
+    pub(super) sketch: &'a Sketch,
+    /// See [`Outcome::marks_made_s`](crate::pipeline::Outcome::marks_made_s).
+    pub(super) marks_made_s: &'a [Option<f64>],
+}
+
+/// A motion with all contacts known.
+pub(super) struct Tried {
+    pub(super) scene: Scene,
+    pub(super) estimate: Estimate,
+    pub(super) solved: Solved,
+    /// How likely its samples are, once somebody asks.
+    evidence: OnceCell<Option<f64>>,
+    told: Told,
+}
+
+/// What came of a choice.
+pub(super) enum Came {
+    /// A motion, which may be no optimum, or one that is not sound.
+    Tried(Box<Tried>),
+    /// What is farther from the performance than the best, beyond what its errors let tell.
+    Worse,
+    /// Nothing.
+    Lost,
+    /// It was not tried.
+    Left,
+}
+
+impl Field<'_> {
+    /// The motion of a scene whose contacts are known, as it is found where the scene names them.
+    pub(super) fn named(&self, scene: Scene, observer: &mut dyn Observer) -> Tried {
+        let (problem, starts) = self.problem(&scene);
+        let solved = tree::solved(&problem, &starts, observer);
+        self.checked(scene, (solved, Told::Whole), observer)
+    }
+
+    /// What comes of such a scene where another motion is the best so far.
+    pub(super) fn rival(
+        &self,
+        scene: Scene,
+        best: Option<&Tried>,
+        observer: &mut dyn Observer,
+    ) -> Came {
+        let (problem, starts) = self.problem(&scene);
+        let of_best = best.map(|best| &best.solved);
+        let solved = match tree::rival(&problem, &starts, of_best, observer) {
+            Led::Solved(solved) => *solved,
+            Led::Worse => return Came::Worse,
+            Led::Lost => return Came::Lost,
+        };
+        let best = best.filter(|best| best.is_sound());
+        if best.is_some_and(|best| best.beats(&solved, || tree::evidence(&solved))) {
+            return Came::Worse;
+        }
+        Came::Tried(Box::new(self.checked(
+            scene,
+            (solved, Told::Motion),
+            observer,
+        )))
+    }
+
+    /// The same motion, with how certain it is and how well it fits.
+    pub(super) fn told(&self, tried: Tried, observer: &mut dyn Observer) -> Tried {
+        if tried.told == Told::Whole {
+            return tried;
+        }
+        let performed = (&tried.scene, self.sketch);
+        let mut estimate = tree::estimate(performed, (&tried.solved, Told::Whole), observer);
+        estimate.doubt(tried.estimate.doubts);
+        Tried { estimate, ..tried }
+    }
+
+    fn problem(&self, scene: &Scene) -> (TreeProblem, Vec<(f64, TreeState)>) {
+        let problem = TreeProblem::new(scene, self.sketch);
+        let starts = initialise::tree::starts(scene, self.sketch, &problem.forest);
+        (problem, starts)
+    }
+
+    fn checked(
+        &self,
+        scene: Scene,
+        (solved, told): (Solved, Told),
+        observer: &mut dyn Observer,
+    ) -> Tried {
+        let mut estimate = tree::estimate((&scene, self.sketch), (&solved, told), observer);
+        let performed = (self.sketch, self.marks_made_s);
+        let doubts = verify::joined::doubts(&scene, performed, &estimate);
+        estimate.doubt(doubts);
+        Tried {
+            scene,
+            estimate,
+            solved,
+            evidence: OnceCell::new(),
+            told,
+        }
+    }
+}
+
+impl Tried {
+    /// What each sample costs.
+    pub(super) fn cost_each(&self) -> f64 {
+        self.solved.cost() / self.solved.problem.samples.len() as f64
+    }
+
+    /// Whether it is an optimum, and its contacts touch as they should: nothing else touches before, or overlaps, and
+    /// what is done again from the first state agrees.
+    pub(super) fn is_sound(&self) -> bool {
+        let is_of_contacts = |about: About| {
+            matches!(
+                about,
+                About::WrongFeature
+                    | About::Overlap
+                    | About::Gap
+                    | About::Receding
+                    | About::Energy
+                    | About::Steps
+            )
+        };
+        let mut doubts = self.estimate.doubts.iter();
+        self.has_ended() && !doubts.any(|doubt| is_of_contacts(doubt.about))
+    }
+
+    /// Whether it is an optimum of its problem: what else is said of it is said of that choice.
+    pub(super) fn has_ended(&self) -> bool {
+        self.solved.solution.finished.converged && self.estimate.objective.is_finite()
+    }
+
+    /// See [`tree::evidence`].
+    pub(super) fn evidence(&self) -> Option<f64> {
+        *self.evidence.get_or_init(|| tree::evidence(&self.solved))
+    }
+
+    /// Whether it is nearer to the performance than another motion, beyond what the errors of that let tell.
+    pub(super) fn beats(&self, other: &Solved, evidence: impl Fn() -> Option<f64>) -> bool {
+        let is_likelier = || {
+            let odds = self.evidence().zip(evidence());
+            odds.is_some_and(|(own, other)| own - other >= ALIKE)
+        };
+        self.solved.cost() <= other.cost() && is_likelier()
+    }
+
+    /// Whether it is kept rather than another one: a sound one rather than one that is not, then by its verdict, then
+    /// the one nearer to the performance.
+    pub(super) fn is_better(&self, other: &Self) -> bool {
+        let rank = |of: &Self| -> (bool, Verdict, bool) {
+            (!of.is_sound(), of.estimate.verdict, !of.has_ended())
+        };
+        let order = rank(self).cmp(&rank(other));
+        let costs = [self, other].map(|of| of.solved.cost());
+        order.then(costs[0].total_cmp(&costs[1])).is_lt()
+    }
+}
