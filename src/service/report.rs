@@ -76,7 +76,7 @@ pub fn report(job: &ReportJob) -> anyhow::Result<ReportMade> {
                 made.verdict
             );
         };
-        files.push((to.file(&job.input, "svg")?, strobe.file(*view)));
+        files.push((to, strobe.file(*view)));
     }
     check(&job.input, &files)?;
     for (to, text) in files {

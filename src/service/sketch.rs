@@ -187,8 +187,7 @@ fn read(job: &SketchJob, output: &Path, kind: Kind, working: &Working) -> anyhow
             let take = opened.recording.take(scene)?;
             let mut notes = (lost(&take.report), warnings(&take.report));
             let motion = if job.is_estimated {
-                let (motion, known) =
-                    Motion::estimated(scene, take.events, (deadline, working))
+                let (motion, known) = Motion::estimated(scene, take.events, (deadline, working))
                     .with_context(|| job.input.display().to_string())?;
                 notes.1.extend(known);
                 motion
