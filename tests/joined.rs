@@ -378,16 +378,6 @@ fn other_rates_lead_to_a_motion_where_the_rule_does_not() {
     assert!(estimate.objective < 38.0, "{}", estimate.objective);
 }
 
-/// Of this chain the finish stays in a curved valley, at whatever curvature was told: steps in a trust region and the finish by
-/// turns lead along it.
-#[test]
-fn a_curved_valley_is_followed_to_its_end() {
-    let performance = trees::perform(&Kind::CHAIN, &TreeActing::of(1.0), 7086);
-    let estimate = finished(&performance).estimate;
-    assert_eq!(estimate.verdict, Verdict::Physical, "{:?}", estimate.doubts);
-    assert!(estimate.objective < 54.1, "{}", estimate.objective);
-}
-
 /// How fast a chain spins is told weakly: along that there is a lower optimum than the one of 195.04 that growing leads to.
 #[test]
 fn a_lower_optimum_is_found_along_what_is_told_weakly() {

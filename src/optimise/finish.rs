@@ -26,9 +26,6 @@ const ACTIVE_ROUNDS: usize = 12;
 /// the decrease that the previous one predicted. The curvature of constraints and residuals is then added to `H`.
 const SLOW: f64 = 0.5;
 const SLOW_STEPS: usize = 5;
-/// Curvature that was told elsewhere serves no more where a step predicts more than this share of the decrease that the
-/// previous one predicted, or is not taken in whole.
-const SERVES: f64 = 0.1;
 /// Least and greatest damping `λ`, and the factor from one to the next.
 const DAMPING: (f64, f64) = (1e-6, 1e4);
 const DAMPING_FACTOR: f64 = 4.0;
@@ -177,15 +174,11 @@ impl<P: Program> Finish<'_, P> {
             } else if may_damp {
                 self.damp();
             }
-            let promises_more =
-                |share: f64| promised_before.is_some_and(|before| promised > share * before);
-            if is_slow && (taken != Taken::Whole || promises_more(SERVES)) {
-                self.program.forget_curvature();
-            }
             // Shortened or slowly converging steps mean that the Gauss–Newton model lacks
             // curvature.
             let is_late = taken_before + 1 >= SLOW_STEPS;
-            is_slow |= taken != Taken::Whole || is_late && promises_more(SLOW);
+            is_slow |= taken != Taken::Whole
+                || is_late && promised_before.is_some_and(|before| promised > SLOW * before);
             promised_before = (taken == Taken::Whole).then_some(promised);
         }
         finished

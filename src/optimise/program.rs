@@ -79,7 +79,4 @@ pub trait Program {
         multipliers: &[f64],
         hessian: &mut Envelope,
     );
-
-    /// What was told of curvature elsewhere serves no more ([`Program::add_curvature`]): steps by it go wrong.
-    fn forget_curvature(&self) {}
 }

@@ -37,9 +37,6 @@ const LEAST: f64 = 1e-4;
 /// curvature of constraints and residuals is then added.
 const SLOW_STEPS: usize = 5;
 const SLOW: f64 = 0.3;
-/// Shares of the predicted decrease outside which curvature that was told elsewhere does not serve any more: valleys of
-/// whirls are curved within a hundredth of a typical change.
-const SERVES: std::ops::Range<f64> = GOOD..2.0 - GOOD;
 /// How often a step is told again with rows that it would violate.
 const HELD_ROUNDS: usize = 3;
 /// Least radius, of the first: what is gained there is rounding.
@@ -91,18 +88,12 @@ pub fn approach<P: Program>(
             break;
         }
         let mut hessian = system.hessian.clone();
+        if is_slow {
+            program.add_curvature((&point, &system), &multipliers, &mut hessian);
+        }
         let Some(mut model) = Model::new(program, (&system, &hessian), &scale, &held) else {
             break;
         };
-        if is_slow {
-            // Those of a step would carry the error of its model into the next one, and grow.
-            model.spread(&model.first_order(), &mut multipliers);
-            program.add_curvature((&point, &system), &multipliers, &mut hessian);
-            let Some(curved) = Model::new(program, (&system, &hessian), &scale, &held) else {
-                break;
-            };
-            model = curved;
-        }
         let mut step = model.step(radius);
         for _ in 0..HELD_ROUNDS {
             let delta = step.delta.component_mul(&scale);
@@ -138,10 +129,9 @@ pub fn approach<P: Program>(
             }
             delta -= &model.inverse * model.acting(&there);
         }
-        if is_slow && !SERVES.contains(&share) {
-            program.forget_curvature();
-        }
+        multipliers.fill(0.0);
         for (row, multiplier) in model.rows.iter().zip(step.multipliers.iter()) {
+            multipliers[row.number] = *multiplier;
             held[row.number] = row.side * multiplier > 0.0;
         }
         if share > LEAST {

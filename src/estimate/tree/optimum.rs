@@ -18,10 +18,6 @@ const NEARNESS: Nearness = Nearness {
 };
 /// How often samples about an event are given anew to the motions before and after it.
 const SIDINGS: usize = 4;
-/// How often steps in a trust region go on from where a finish led that did not end, and it again,
-const TURNS: usize = 2;
-/// and what may be violated there at most, in units.
-const NEARLY: f64 = 1.0;
 /// How far, root mean square in weights, an optimum may be from samples in an unknown tempo before more is tried: as far as
 /// motions are not doubted for.
 const FAR: f64 = 3.0;
@@ -65,33 +61,6 @@ pub(super) fn finished(
         let schedule = Schedule::default().from_the_last();
         let point = solved.solution.point;
         solved = optimum(sided, &point, &schedule, work, observer);
-    }
-    solved
-}
-
-/// The optimum near a point, at once; where the finish does not end but nearly holds what is asked, by turns with steps in a
-/// trust region: in a curved valley the one goes on where the other stays.
-pub(super) fn finished_by_turns(
-    problem: &TreeProblem,
-    point: &TreePoint,
-    work: &mut Work,
-    observer: &mut dyn Observer,
-) -> Solved {
-    let at_once = Schedule::default().from_the_last();
-    let mut solved = finished(problem, point, &at_once, work, observer);
-    for _ in 0..TURNS {
-        let is_near = solved.solution.system.violation() < NEARLY;
-        if solved.has_ended() || !is_near || observer.should_stop() {
-            break;
-        }
-        let Solved {
-            mut problem,
-            solution,
-        } = solved;
-        let program = TreeProgram::new(&problem, solution.point.clone());
-        let point = approached(&program, solution.point, work, observer);
-        problem.fit_to(&point);
-        solved = finished(&problem, &point, &at_once, work, observer);
     }
     solved
 }

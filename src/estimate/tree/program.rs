@@ -335,8 +335,4 @@ impl Program for TreeProgram<'_> {
         told.insert(kept)
             .add(problem, &self.structure.pattern, hessian);
     }
-
-    fn forget_curvature(&self) {
-        self.told.borrow_mut().take();
-    }
 }

@@ -5,7 +5,7 @@
 mod tests;
 
 use super::grow::{Grown, Growth, KICK_RAD_S, Legs, grown, growth};
-use super::optimum::{Solved, approached, finished, finished_by_turns};
+use super::optimum::{Solved, approached, finished};
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
@@ -61,7 +61,8 @@ pub fn solve(
     for growth in GROWTHS.iter().filter(is_tried) {
         let (of, growth) = ((problem, starts), (*growth, &mut random));
         for (problem, point) in likeliest(of, growth, &mut lost, &mut work, observer) {
-            let solved = finished_by_turns(&problem, &point, &mut work, observer);
+            let at_once = Schedule::default().from_the_last();
+            let solved = finished(&problem, &point, &at_once, &mut work, observer);
             if !solved.has_ended() {
                 tried.push((problem, point));
             } else if solved.solution.stopped || !solved.is_far() {

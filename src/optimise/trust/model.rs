@@ -147,19 +147,6 @@ impl Model {
         DVector::from_iterator(self.rows.len(), self.rows.iter().map(|row| all[row.number]))
     }
 
-    /// Multipliers of the rows that act with which the Lagrangian's gradient is least, `−C⁺ᵀ g`.
-    pub(super) fn first_order(&self) -> DVector<f64> {
-        -self.inverse.tr_mul(&self.gradient)
-    }
-
-    /// Multipliers of the rows that act at their places among those of all rows, which are zero elsewhere.
-    pub(super) fn spread(&self, acting: &DVector<f64>, all: &mut [f64]) {
-        all.fill(0.0);
-        for (row, multiplier) in self.rows.iter().zip(acting.iter()) {
-            all[row.number] = *multiplier;
-        }
-    }
-
     pub(super) fn step(&self, radius: f64) -> Step {
         let mut delta = -(&self.inverse * &self.off);
         let length = delta.norm();
