@@ -116,7 +116,14 @@ fn kinds() -> Vec<(String, Kind)> {
             (format!("{what}, {name}"), Kind::Table(struck))
         }));
     }
-    for (what, links, joints, hangs_m, met) in [
+    let moving = meetings(law).map(|(what, of)| (what.to_owned(), Kind::Moving(of)));
+    kinds.extend(moving);
+    kinds
+}
+
+/// Joined bodies that meet something that moves, by a law of restitution and friction.
+pub fn meetings(law: [f64; 2]) -> [(&'static str, Meet); 5] {
+    [
         ("flail of 2 on a box", 2, Jointed::Ball, None, Met::Box),
         (
             "hanging flail of 2 on a box",
@@ -140,7 +147,8 @@ fn kinds() -> Vec<(String, Kind)> {
             Met::Pendulum,
         ),
         ("chain of 3 on itself", 3, Jointed::Pin, None, Met::Own),
-    ] {
+    ]
+    .map(|(what, links, joints, hangs_m, met)| {
         let of = Meet {
             links,
             joints,
@@ -148,9 +156,8 @@ fn kinds() -> Vec<(String, Kind)> {
             met,
             law,
         };
-        kinds.push((what.to_owned(), Kind::Moving(of)));
-    }
-    kinds
+        (what, of)
+    })
 }
 
 /// Runs it.

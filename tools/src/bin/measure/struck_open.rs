@@ -5,7 +5,7 @@ use anyhow::Result;
 use enact::motion::{EventKind, Scene, Touching, Undetermined, Verdict};
 use enact::pipeline::{Outcome, Pipeline};
 use enact_tools::tree_impacts::{Acted, Form, Strike, Struck, strike};
-use enact_tools::tree_meetings::{Meet, Met, meet};
+use enact_tools::tree_meetings::{Meet, meet};
 use enact_tools::trees::Jointed;
 use serde::Serialize;
 
@@ -13,6 +13,7 @@ use crate::core_time::{ANSWER_S, CoreLimit, CoreTime};
 use crate::options::Options;
 use crate::record::Record;
 use crate::statistics::{largest, median};
+use crate::struck::meetings;
 use crate::table::{Table, number, percent, share};
 
 /// Of the wander of a usual hand.
@@ -219,33 +220,7 @@ fn kinds() -> Vec<(String, Kind)> {
         };
         kinds.push((what.to_owned(), Kind::Table(struck)));
     }
-    for (what, links, joints, hangs_m, met) in [
-        ("flail of 2 on a box", 2, Jointed::Ball, None, Met::Box),
-        (
-            "chain of 3 on a ball",
-            3,
-            Jointed::Universal,
-            None,
-            Met::Ball,
-        ),
-        (
-            "pendulum of 2 on another",
-            2,
-            Jointed::Pin,
-            Some(0.9),
-            Met::Pendulum,
-        ),
-        ("chain of 3 on itself", 3, Jointed::Pin, None, Met::Own),
-    ] {
-        let of = Meet {
-            links,
-            joints,
-            hangs_m,
-            met,
-            law,
-        };
-        kinds.push((what.to_owned(), Kind::Moving(of)));
-    }
+    kinds.extend(meetings(law).map(|(what, of)| (what.to_owned(), Kind::Moving(of))));
     kinds
 }
 
