@@ -30,7 +30,7 @@ pub enum Led {
 }
 
 /// Solves such a problem as another one is that names what touches, but growing once, and where that leads to nothing, or to
-/// what is much worse, from the motion of the best of the others. What is [worse](WORSE) after steps in a trust region is not
+/// what is much worse, from the motion of the best of the others. What is four times worse after steps in a trust region is not
 /// followed to its optimum.
 pub fn rival(
     problem: &TreeProblem,
