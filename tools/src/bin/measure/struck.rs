@@ -15,12 +15,12 @@ use crate::statistics::{largest, median};
 use crate::table::{Table, number, percent, share};
 
 /// Of the wander of a usual hand.
-const DISTORTIONS: [f64; 3] = [0.5, 1.0, 2.0];
+pub const DISTORTIONS: [f64; 3] = [0.5, 1.0, 2.0];
 /// Performances of a row.
 const PERFORMANCES: u64 = 10;
 
 /// What hits what.
-enum Kind {
+pub enum Kind {
     /// A table.
     Table(Struck),
     /// Something that moves.
@@ -28,7 +28,8 @@ enum Kind {
 }
 
 impl Kind {
-    fn perform(&self, acted: &Acted, seed: u64) -> Strike {
+    /// A performance of it.
+    pub fn perform(&self, acted: &Acted, seed: u64) -> Strike {
         match self {
             Self::Table(struck) => strike(struck, acted, seed),
             Self::Moving(of) => meet(of, acted, seed),
@@ -116,13 +117,12 @@ fn kinds() -> Vec<(String, Kind)> {
             (format!("{what}, {name}"), Kind::Table(struck))
         }));
     }
-    let moving = meetings(law).map(|(what, of)| (what.to_owned(), Kind::Moving(of)));
-    kinds.extend(moving);
+    kinds.extend(meetings(law));
     kinds
 }
 
 /// Joined bodies that meet something that moves, by a law of restitution and friction.
-pub fn meetings(law: [f64; 2]) -> [(&'static str, Meet); 5] {
+pub fn meetings(law: [f64; 2]) -> [(String, Kind); 5] {
     [
         ("flail of 2 on a box", 2, Jointed::Ball, None, Met::Box),
         (
@@ -156,7 +156,7 @@ pub fn meetings(law: [f64; 2]) -> [(&'static str, Meet); 5] {
             met,
             law,
         };
-        (what, of)
+        (what.to_owned(), Kind::Moving(of))
     })
 }
 

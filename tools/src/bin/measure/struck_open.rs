@@ -4,8 +4,7 @@
 use anyhow::Result;
 use enact::motion::{EventKind, Scene, Touching, Undetermined, Verdict};
 use enact::pipeline::{Outcome, Pipeline};
-use enact_tools::tree_impacts::{Acted, Form, Strike, Struck, strike};
-use enact_tools::tree_meetings::{Meet, meet};
+use enact_tools::tree_impacts::{Acted, Form, Strike, Struck};
 use enact_tools::trees::Jointed;
 use serde::Serialize;
 
@@ -13,30 +12,11 @@ use crate::core_time::{ANSWER_S, CoreLimit, CoreTime};
 use crate::options::Options;
 use crate::record::Record;
 use crate::statistics::{largest, median};
-use crate::struck::meetings;
+use crate::struck::{DISTORTIONS, Kind, meetings};
 use crate::table::{Table, number, percent, share};
 
-/// Of the wander of a usual hand.
-const DISTORTIONS: [f64; 3] = [0.5, 1.0, 2.0];
 /// Performances of a row.
 const PERFORMANCES: u64 = 50;
-
-/// What hits what.
-enum Kind {
-    /// A table.
-    Table(Struck),
-    /// Something that moves.
-    Moving(Meet),
-}
-
-impl Kind {
-    fn perform(&self, acted: &Acted, seed: u64) -> Strike {
-        match self {
-            Self::Table(struck) => strike(struck, acted, seed),
-            Self::Moving(of) => meet(of, acted, seed),
-        }
-    }
-}
 
 /// What came of one performance.
 #[derive(Serialize)]
@@ -220,7 +200,7 @@ fn kinds() -> Vec<(String, Kind)> {
         };
         kinds.push((what.to_owned(), Kind::Table(struck)));
     }
-    kinds.extend(meetings(law).map(|(what, of)| (what.to_owned(), Kind::Moving(of))));
+    kinds.extend(meetings(law));
     kinds
 }
 
