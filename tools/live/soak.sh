@@ -3,18 +3,18 @@
 #
 #     tools/live/soak.sh [SECONDS] [TAKES]
 #
-# Prints the counts of every take, and the daemon's memory and processor time on the way; at the end
-# its metrics. Viewers look on if `../check_live.sh` has installed their client. On an iceoryx2 of
-# its own.
+# Prints the daemon's memory and processor time and the machine's load on the way, the counts of every
+# take, and at the end the daemon's metrics. Viewers look on if `../check_live.sh` has installed their
+# client. On an iceoryx2 of its own, with copies of the programs, so that builds may go on meanwhile.
 set -eu
 seconds=${1:-600}
 takes=${2:-1}
 cd "$(dirname "$0")/../.."
 root=$PWD
 cargo build -q --release --workspace --bin enact --bin tracker
-release=$PWD/target/release
 made=$(mktemp -d)
 trap 'kill "$daemon" 2>/dev/null || true; rm -rf "$made" /dev/shm/enact_soak_$$_*' EXIT
+cp "${CARGO_TARGET_DIR:-target}/release/enact" "${CARGO_TARGET_DIR:-target}/release/tracker" "$made"
 cd "$made"
 printf '[global]\nroot-path = "%s/iceoryx2/"\nprefix = "enact_soak_%s_"\n' "$made" $$ >iceoryx2.toml
 {
@@ -23,7 +23,7 @@ printf '[global]\nroot-path = "%s/iceoryx2/"\nprefix = "enact_soak_%s_"\n' "$mad
         printf '[[body]]\nname = "t%s"\nshape = { kind = "sphere", radius_mm = 20 }\nmass_g = 50\n' $k
     done
 } >scene.toml
-"$release/enact" capture scene.toml -o takes --iceoryx2 iceoryx2.toml --format ndjson \
+./enact capture scene.toml -o takes --iceoryx2 iceoryx2.toml --format ndjson \
     --viewer-port 0 --metrics-port 0 >said.txt &
 daemon=$!
 until grep -q '"ready"' said.txt; do sleep 0.1; done
@@ -31,12 +31,15 @@ address() { head -1 said.txt | sed "s/.*\"$1\":\"\([^\"]*\)\".*/\1/"; }
 if [ -d "$root/target/clients/node_modules/@foxglove/ws-protocol" ]; then
     NODE_PATH=$root/target/clients/node_modules node "$root/tools/live/watch.js" "$(address viewer)" "$seconds" stay >watched.txt 2>&1 &
 fi
+echo "time resident_kb user_ticks system_ticks load health"
 (while sleep 10 && kill -0 $daemon 2>/dev/null; do
-    grep -E 'VmRSS' /proc/$daemon/status | tr '\n\t' '  '
-    cut -d' ' -f14,15 /proc/$daemon/stat | sed 's/^/ticks of user and system: /'
+    echo "$(date -u +%T) $(awk '/VmRSS/ { print $2 }' /proc/$daemon/status)" \
+        "$(cut -d' ' -f14,15 /proc/$daemon/stat) $(cut -d' ' -f1 /proc/loadavg)" \
+        "$(curl -s -o metrics.txt -w '%{http_code}' "$(address metrics)/health")"
+    curl -s -o metrics.txt "$(address metrics)/metrics"
 done) &
 for _ in $(seq "$takes"); do
-    "$release/tracker" --load 8 --rate-hz 1000 --seconds "$seconds" --take --iceoryx2 iceoryx2.toml
+    ./tracker --load 8 --rate-hz 1000 --seconds "$seconds" --take --iceoryx2 iceoryx2.toml
 done
 curl -s "$(address metrics)/metrics" | grep -v '^#'
 cat watched.txt 2>/dev/null || true
