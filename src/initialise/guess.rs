@@ -26,7 +26,8 @@ const RATE_OTHERWISE: f64 = 0.4;
 /// Guesses and the iterations they took.
 #[derive(Clone, Debug)]
 pub struct Guessed {
-    /// The best first; more than one only where orientations fit in several ways or are not seen.
+    /// The best first, at least one; more than one only where orientations fit in several ways or are
+    /// not seen.
     pub guesses: Vec<Guess>,
     /// Iterations of all fits together.
     pub fit_iterations: usize,
@@ -41,10 +42,12 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
         for guess in &mut guesses {
             open_times::place(scene, sketch, segments, guess);
         }
-        return Guessed {
-            guesses,
-            fit_iterations: 0,
-        };
+        if !guesses.is_empty() {
+            return Guessed {
+                guesses,
+                fit_iterations: 0,
+            };
+        }
     }
     let known = match scene.timing {
         Timing::Known | Timing::Edited => Some(1.0),

@@ -30,7 +30,8 @@ pub(super) fn applies(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> b
     scene.is_keyframed(sketch) && segments.iter().enumerate().all(is_enough)
 }
 
-/// The best motions through the keyframes, as guesses: one or more, no more than `most`.
+/// The best motions through the keyframes, as guesses, no more than `most`; none where no motion
+/// was found for some body.
 pub(super) fn guesses(
     scene: &Scene,
     sketch: &Sketch,
@@ -43,12 +44,19 @@ pub(super) fn guesses(
             .filter(|index| segments[*index].mechanism == mechanism)
             .collect();
         let course = Course::new(scene, sketch, mechanism, &own, segments);
-        // The first flight of a single pose is found by shooting, where all impacts are known.
-        let ways = if course.samples[0].len() == 1 && course.is_known() {
-            shoot::ways(&course, most)
-        } else {
-            course.ways(most)
-        };
+        // The first flight of a single pose is found by shooting at what it hits, where all impacts
+        // are known.
+        let is_aimed = course.samples.len() > 1 && course.is_known();
+        let mut ways = Vec::new();
+        if course.samples[0].len() == 1 && is_aimed {
+            ways = shoot::ways(&course, most);
+        }
+        if ways.is_empty() {
+            ways = course.ways(most);
+        }
+        if ways.is_empty() {
+            return Vec::new();
+        }
         of_all.push((own, ways));
     }
     let count = of_all.iter().map(|(_, ways)| ways.len()).max().unwrap_or(0);
