@@ -265,6 +265,39 @@ fn a_deadline_ends_reading_and_estimating() {
     }
 }
 
+/// Commands that have nothing to show before they are done end at their deadline, say so, and leave
+/// nothing beside their input.
+#[test]
+fn a_deadline_ends_every_other_command() {
+    let poses: Vec<u8> = (0..200_000)
+        .flat_map(|k| message(1, k * 1_000_000, &pose(k * 1_000_000)))
+        .collect();
+    let bytes = file(&[&beginning(), &poses]);
+    for command in [MARK, EXPORT, REPORT, IMPORT, PIVOT, GRAVITY, REST, RECOVER] {
+        let [folder, aside] = [0, 1].map(|_| tempfile::tempdir().expect("folder"));
+        let is_journal = command == RECOVER;
+        let input = folder
+            .path()
+            .join(if is_journal { "a.mcap.part" } else { "a.mcap" });
+        std::fs::write(&input, &bytes).expect("write");
+        let output = folder.path().join("out.toml");
+        let words = command.iter().map(|word| match *word {
+            "IN" => input.to_str().expect("a name"),
+            "OUT" | "OUT.toml" => output.to_str().expect("a name"),
+            word => word,
+        });
+        let words: Vec<&str> = words.chain(["--deadline", "1ms"]).collect();
+        let found = run(&words, aside.path());
+        assert_eq!(found.code, Some(1), "{command:?}: {}", found.stdout);
+        let is_said = found.stderr.contains("give it more by --deadline");
+        assert!(is_said, "{command:?}: {}", found.stderr);
+        let left = std::fs::read_dir(folder.path()).expect("list");
+        let left: Vec<_> = left.map(|entry| entry.expect("an entry").path()).collect();
+        assert_eq!(left, [input.clone()], "{command:?}");
+        assert_eq!(std::fs::read(&input).expect("read"), bytes);
+    }
+}
+
 /// A file without chunks whose checksum fails is used, and what may be wrong is said; one whose records do
 /// not lead from one to the next is read up to there.
 #[test]

@@ -9,6 +9,7 @@ mod scene;
 mod values;
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{ArgAction, Parser, Subcommand};
 
@@ -108,6 +109,22 @@ pub(super) enum Command {
         #[arg(short, long, value_name = "DIR")]
         output: PathBuf,
     },
+}
+
+impl Command {
+    /// When it is to end wherever it is: commands that can end with the best so far do that themselves.
+    pub(super) fn deadline(&self) -> Option<Duration> {
+        let budget = match self {
+            Self::Recover(of) => &of.budget,
+            Self::Import(of) => &of.budget,
+            Self::Mark(of) => &of.budget,
+            Self::Export(of) => &of.budget,
+            Self::Report(of) => &of.budget,
+            Self::Calibrate { command } => &command.common().budget,
+            _ => return None,
+        };
+        budget.deadline
+    }
 }
 
 #[cfg(test)]

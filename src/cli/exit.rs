@@ -10,13 +10,24 @@ pub(super) enum Exit {
     Error,
 }
 
-impl From<Exit> for ExitCode {
-    fn from(exit: Exit) -> Self {
-        ExitCode::from(match exit {
+impl Exit {
+    fn code(self) -> u8 {
+        match self {
             Exit::Done => 0,
             Exit::Error => 1,
             // 2 is usage, and clap's.
             Exit::NotWhole => 3,
-        })
+        }
+    }
+
+    /// Ends the process, whatever other threads do.
+    pub(super) fn end(self) -> ! {
+        std::process::exit(self.code().into())
+    }
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        ExitCode::from(exit.code())
     }
 }

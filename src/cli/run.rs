@@ -25,6 +25,9 @@ pub fn run() -> ExitCode {
     {
         tracing::warn!(%error, "signals cannot be caught: one may leave a temporary file");
     }
+    if let Some(limit) = arguments.command.deadline() {
+        interrupt::end_after(limit);
+    }
     let result = match arguments.command {
         #[cfg(feature = "live")]
         Command::Capture(arguments) => capture::run(arguments, verbose),

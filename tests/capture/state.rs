@@ -112,6 +112,43 @@ fn the_share_of_valid_samples_is_known_without_a_take() {
     daemon.end();
 }
 
+/// A machine that stands still while a take is asked for: what the buffers could not hold is said to be
+/// missing in the take, though all that is lost came before its first sample.
+#[test]
+fn a_hole_across_the_start_of_a_take_is_counted() {
+    let house = House::new();
+    let mut daemon = Daemon::start(&house, SCENE, &[]);
+    let node = Node::join("tracker", Some(house.iceoryx2())).expect("node");
+    let topics = ["/tracker/pencil/pose".to_owned()];
+    let tracker = TrackerPublisher::open(&node, &topics, "/marks").expect("publisher");
+    let send = |sequences: std::ops::Range<u64>| {
+        for sequence in sequences {
+            tracker.pose(0, pose(sequence, 1)).expect("send");
+        }
+    };
+    send(0..100);
+    // What was sent before a question has come when it is answered.
+    assert_eq!(house.take(&["status"]).0, Some(0));
+    daemon.stop();
+    send(100..5000);
+    tracker.control(Command::Start, 7, 1, 0).expect("send");
+    daemon.signal("CONT");
+    daemon.wait_for("started");
+    send(5000..5100);
+    tracker.control(Command::Stop, 7, 2, 0).expect("send");
+    let closed = daemon.wait_for("closed");
+    let counts = &closed["counts"]["trackers"][0]["counts"];
+    let [received, missing, overflows] =
+        ["received", "missing", "overflows"].map(|name| counts[name].as_u64());
+    assert_eq!(
+        (received, overflows),
+        (Some(2048 + 100), Some(1)),
+        "{counts}"
+    );
+    assert_eq!(missing, Some(5000 - 100 - 2048), "{counts}");
+    daemon.end();
+}
+
 #[test]
 fn a_second_daemon_refuses_and_names_the_first() {
     let house = House::new();

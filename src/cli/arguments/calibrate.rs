@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, Subcommand};
 
+use super::estimate::Budget;
 use super::values::{Format, rate, triple};
 
 /// The commands of `calibrate`.
@@ -19,6 +20,18 @@ pub(in crate::cli) enum CalibrateCommand {
     Gravity(GravityArguments),
     /// Offset and drift between two clocks: turn an object with two trackers to and fro
     Clock(ClockArguments),
+}
+
+impl CalibrateCommand {
+    pub(super) fn common(&self) -> &Common {
+        match self {
+            Self::Pivot(of) => &of.common,
+            Self::Plane(of) => &of.common,
+            Self::Rest(of) => &of.common,
+            Self::Gravity(of) => &of.common,
+            Self::Clock(of) => &of.common,
+        }
+    }
 }
 
 /// What all of them have.
@@ -39,6 +52,8 @@ pub(in crate::cli) struct Common {
     /// Where the calibration goes, TOML; a file that is there is not replaced [default: stdout]
     #[arg(short, long, value_name = "FILE")]
     pub(in crate::cli) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(in crate::cli) budget: Budget,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(in crate::cli) format: Format,

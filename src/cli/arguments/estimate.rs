@@ -106,6 +106,14 @@ pub(in crate::cli) struct Limits {
     pub(in crate::cli) deadline: Option<Duration>,
 }
 
+/// When a command ends that has no best so far to end with.
+#[derive(Debug, Args)]
+pub(in crate::cli) struct Budget {
+    /// End the command after so long, as `50ms` or `2s`, as a signal would: nothing unfinished stays, exit code 1
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub(in crate::cli) deadline: Option<Duration>,
+}
+
 /// What is set free beside the scene's own parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum Free {

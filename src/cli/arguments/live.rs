@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
+use super::estimate::Budget;
 use super::values::Format;
 
 /// Arguments of `capture`.
@@ -111,6 +112,8 @@ pub(in crate::cli) struct RecoverArguments {
     /// Journals (`….mcap.part`), or folders with such
     #[arg(value_name = "PATH", required = true)]
     pub(in crate::cli) paths: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(in crate::cli) budget: Budget,
     /// How the accounts on stdout are written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(in crate::cli) format: Format,

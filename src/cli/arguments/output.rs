@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::estimate::Budget;
 use super::values::{Format, rate};
 use crate::service::DEFAULT_EXPORT_RATE_HZ;
 
@@ -30,6 +31,8 @@ pub(in crate::cli) struct ExportArguments {
     /// With the performance as it was acted, at its physical times
     #[arg(long)]
     pub(in crate::cli) ghost: bool,
+    #[command(flatten)]
+    pub(in crate::cli) budget: Budget,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(in crate::cli) format: Format,
@@ -71,6 +74,8 @@ pub(in crate::cli) struct ReportArguments {
     /// From where the picture is seen
     #[arg(long, value_enum, value_name = "VIEW", requires = "svg", default_value_t = Seen::ThreeQuarter)]
     pub(in crate::cli) view: Seen,
+    #[command(flatten)]
+    pub(in crate::cli) budget: Budget,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(in crate::cli) format: Format,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, ValueEnum};
 
-use super::estimate::Limits;
+use super::estimate::{Budget, Limits};
 use super::values::{Format, rate};
 use crate::service::{ListedMark, MarkTime, PRESETS, TimeUnit, length_unit};
 
@@ -60,6 +60,8 @@ pub(in crate::cli) struct ImportArguments {
     /// Leave out what is after
     #[arg(long, value_name = "SECONDS", value_parser = since_first)]
     pub(in crate::cli) end: Option<f64>,
+    #[command(flatten)]
+    pub(in crate::cli) budget: Budget,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(in crate::cli) format: Format,
@@ -148,6 +150,8 @@ pub(in crate::cli) struct MarkArguments {
     /// Scene file [default: scene.toml attached to the recording]
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub(in crate::cli) budget: Budget,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(in crate::cli) format: Format,

@@ -13,7 +13,7 @@ pub use answer_parts::Answered;
 pub use listening::{
     AnswerListener, Arrival, Arrived, Listening, StreamTopic, TakeListener, stream_topics,
 };
-pub use sequence_counts::{Fate, SequenceCounts, TallyCounts};
+pub use sequence_counts::{Before, Fate, SequenceCounts, TallyCounts};
 pub use stream::{Stream, Streamed, stamp_mark};
 
 /// The contract, for the drivers of this module.

@@ -28,7 +28,8 @@ pub struct TallyCounts {
     pub skipped: u64,
     /// Samples with a number too far ahead to be believed, and publishers that went on there.
     pub leaps: u64,
-    /// Holes that an overflow of the subscriber's buffer likely caused.
+    /// Holes that an overflow of the subscriber's buffer likely caused. One may be before the first
+    /// sample of a publisher: how many were lost there nobody knows.
     pub overflows: u64,
     /// Samples that arrived after one with a greater number.
     pub late: u64,
@@ -92,10 +93,29 @@ pub enum Fate {
     Duplicate,
 }
 
+/// The publisher and the number of a sample that came before a take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Before {
+    session: u32,
+    sequence: u64,
+}
+
+impl Before {
+    /// Of a sample.
+    pub fn of(record: &PoseRecord) -> Self {
+        Self {
+            session: record.session,
+            sequence: record.sequence,
+        }
+    }
+}
+
 /// Counts the samples of one tracker.
 #[derive(Clone, Debug, Default)]
 pub struct SequenceCounts {
     counts: TallyCounts,
+    /// The last sample that came before those that are counted.
+    before: Option<Before>,
     sessions: Vec<Session>,
     last_pose: Option<[u64; 7]>,
 }
@@ -113,6 +133,14 @@ struct Session {
 }
 
 impl SequenceCounts {
+    /// Counts what comes after that sample: a hole right after it is one.
+    pub fn after(before: Option<Before>) -> Self {
+        Self {
+            before,
+            ..Self::default()
+        }
+    }
+
     /// Counts a sample.
     pub fn count(&mut self, record: &PoseRecord, is_overflow: bool) -> Fate {
         self.counts.received += 1;
@@ -151,17 +179,20 @@ impl SequenceCounts {
     }
 
     fn is_duplicate(&mut self, record: &PoseRecord, is_overflow: bool) -> bool {
-        let known = self
-            .sessions
-            .iter()
-            .position(|s| s.session == record.session);
+        let session = record.session;
+        if let Some(before) = self.before.take_if(|before| before.session == session) {
+            self.sessions.push(Session::new(session, before.sequence));
+        }
+        let known = self.sessions.iter().position(|s| s.session == session);
         let Some(at) = known else {
             self.counts.restarts += u64::from(!self.sessions.is_empty());
+            let is_cut = is_overflow && record.sequence > 0;
+            self.counts.gaps += u64::from(is_cut);
+            self.counts.overflows += u64::from(is_cut);
             if self.sessions.len() == SESSIONS {
                 self.sessions.remove(0);
             }
-            self.sessions
-                .push(Session::new(record.session, record.sequence));
+            self.sessions.push(Session::new(session, record.sequence));
             return false;
         };
         let session = &mut self.sessions[at];
@@ -311,6 +342,32 @@ mod tests {
         let counts = counted(&[0, 1, far, far + 1, far + 2, far + 4]);
         let found = (counts.leaps, counts.missing, counts.late);
         assert_eq!(found, (2, 1, 0));
+    }
+
+    #[test]
+    fn a_hole_right_after_what_came_before_is_one() {
+        let after = |sequence, next: &[u64]| {
+            let mut tally = SequenceCounts::after(Some(Before::of(&record(1, sequence))));
+            for next in next {
+                tally.count(&record(1, *next), true);
+            }
+            let counts = tally.counts();
+            (counts.received, counts.gaps, counts.missing, counts.late)
+        };
+        assert_eq!(after(10, &[11, 12]), (2, 0, 0, 0));
+        assert_eq!(after(10, &[15, 16]), (2, 1, 4, 0));
+        // What was late came before or is no longer missing; a double is no sample.
+        assert_eq!(after(10, &[9, 11, 10]), (3, 0, 0, 1));
+        assert_eq!(after(10, &[15, 12]), (2, 1, 3, 1));
+        // Another publisher begins where it wants to, and is no restart; it was cut where it came
+        // from a full buffer.
+        for (sequence, is_overflow, cut) in [(500, false, 0), (0, true, 0), (500, true, 1)] {
+            let mut tally = SequenceCounts::after(Some(Before::of(&record(1, 10))));
+            tally.count(&record(2, sequence), is_overflow);
+            let counts = tally.counts();
+            assert_eq!((counts.restarts, counts.missing), (0, 0));
+            assert_eq!((counts.gaps, counts.overflows), (cut, cut));
+        }
     }
 
     proptest::proptest! {

@@ -1,6 +1,6 @@
 //! One tracker's samples, counted and stamped.
 
-use super::sequence_counts::{Fate, SequenceCounts, TallyCounts};
+use super::sequence_counts::{Before, Fate, SequenceCounts, TallyCounts};
 use crate::ingest::clock::{ClockQuality, StampReading, StreamClock};
 use crate::motion::{PoseSample, Stamp, StampSource};
 use crate::wire::live::payload::{self, MarkRecord, PoseRecord};
@@ -27,9 +27,14 @@ pub enum Streamed {
 impl Stream {
     /// Stamps by the given source; without one, the first valid sample decides.
     pub fn new(source: Option<StampSource>) -> Self {
+        Self::after(None, source)
+    }
+
+    /// The same, where that sample came before the first: a hole between them is counted.
+    pub fn after(before: Option<Before>, source: Option<StampSource>) -> Self {
         Self {
             clock: StreamClock::new(source),
-            tally: SequenceCounts::default(),
+            tally: SequenceCounts::after(before),
         }
     }
 

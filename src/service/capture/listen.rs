@@ -19,6 +19,9 @@ const POLL: Duration = Duration::from_millis(1);
 const POLL_IDLE: Duration = Duration::from_millis(5);
 const IDLE_AFTER: Duration = Duration::from_secs(1);
 
+/// Greatest number of arrivals in a batch: the queue is bounded in batches, and must be in memory.
+const BATCH: usize = 512;
+
 /// Interval of saying that it polls.
 const BEAT: Duration = Duration::from_millis(200);
 
@@ -78,9 +81,11 @@ impl Listen {
             }
             if !batch.is_empty() {
                 heard = Instant::now();
-                self.metrics.batches_waiting.put();
-                if self.queue.send(batch).is_err() {
-                    return;
+                for part in parts(batch) {
+                    self.metrics.batches_waiting.put();
+                    if self.queue.send(part).is_err() {
+                        return;
+                    }
                 }
             }
             if is_last {
@@ -90,6 +95,15 @@ impl Listen {
             thread::sleep(if is_idle { POLL_IDLE } else { POLL });
         }
     }
+}
+
+/// The arrivals in order, in batches of bounded size.
+fn parts(batch: Vec<Arrival>) -> impl Iterator<Item = Vec<Arrival>> {
+    let mut left = batch.into_iter();
+    std::iter::from_fn(move || {
+        let part: Vec<Arrival> = left.by_ref().take(BATCH).collect();
+        (!part.is_empty()).then_some(part)
+    })
 }
 
 /// The arrivals of one poll. A take that starts begins with the samples of the same poll; one that
@@ -112,4 +126,37 @@ fn poll(listening: &Listening) -> (Vec<Arrival>, Result<(), LiveError>) {
     batch.append(&mut samples);
     batch.append(&mut control);
     (batch, result)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ingest::live::{NO_TIME, PoseRecord};
+
+    #[test]
+    fn what_came_at_once_is_handed_on_in_order_and_in_bounded_batches() {
+        let arrival = |sequence| Arrival {
+            at: Instant::now(),
+            what: Arrived::Pose {
+                stream: 0,
+                record: PoseRecord {
+                    sequence,
+                    available_ns: 0,
+                    sample_ns: NO_TIME,
+                    device_ns: NO_TIME,
+                    position_m: [0.0; 3],
+                    quaternion_xyzw: [0.0, 0.0, 0.0, 1.0],
+                    flags: 1,
+                    session: 1,
+                },
+                is_overflow: false,
+            },
+        };
+        let all: Vec<Arrival> = (0..2 * BATCH as u64 + 7).map(arrival).collect();
+        let found: Vec<Vec<Arrival>> = parts(all.clone()).collect();
+        let sizes: Vec<usize> = found.iter().map(Vec::len).collect();
+        assert_eq!(sizes, [BATCH, BATCH, 7]);
+        assert_eq!(found.concat(), all);
+        assert_eq!(parts(Vec::new()).count(), 0);
+    }
 }

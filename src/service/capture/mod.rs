@@ -15,7 +15,7 @@
 //! | queue | bound | when it is full |
 //! |---|---|---|
 //! | a service's buffer | 2048 samples a publisher | the oldest goes; the hole in the sequence is counted as an overflow |
-//! | listen → record | 1024 batches, one a millisecond | the listener waits, and samples with it in their buffers |
+//! | listen → record | 1024 batches of at most 512 arrivals, one or more a millisecond | the listener waits, and samples with it in their buffers; `/health` says when the recorder is a second behind |
 //! | record → sync | 1 | that sync is left out: the next one is for both |
 //! | record → preview | 1 | events wait with the recorder and go with what comes next: one estimate is made of all; beyond 200 000 a take has no more previews |
 //! | record → finals | 8 takes | the take is not estimated, and the account says so |
@@ -29,7 +29,8 @@
 //! Samples that come while no take runs are counted ([`Status::outside`]); those of the last
 //! `pre_roll_s` are kept in memory, and a take begins with them. Without that key a take
 //! begins with the samples of the same poll as its start, at most 1 ms before it while samples
-//! come. It ends with those sent before its stop.
+//! come. It ends with those sent before its stop. Numbers that are missing between the last sample
+//! before a take and its first are counted in the take: it began somewhere among them.
 //!
 //! # What the daemon knows
 //!

@@ -1,9 +1,9 @@
 //! What came in the last seconds while no take runs: a take begins with it.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::time::{Duration, Instant};
 
-use crate::ingest::live::Arrival;
+use crate::ingest::live::{Arrival, Arrived, Before};
 
 /// Greatest number of samples and marks that are kept: eight trackers at 1 kHz for 30 s.
 const KEPT: usize = 240_000;
@@ -13,6 +13,8 @@ const KEPT: usize = 240_000;
 pub(super) struct Preroll {
     span: Duration,
     kept: VecDeque<Arrival>,
+    /// The last sample of each stream that is not kept.
+    before: BTreeMap<usize, Before>,
 }
 
 impl Preroll {
@@ -21,19 +23,27 @@ impl Preroll {
         Self {
             span,
             kept: VecDeque::new(),
+            before: BTreeMap::new(),
         }
     }
 
     /// Keeps a sample or a mark.
     pub(super) fn keep(&mut self, arrival: Arrival) {
         if self.span.is_zero() {
-            return;
+            return self.pass(&arrival);
         }
         self.forget(arrival.at);
         if self.kept.len() == KEPT {
-            self.kept.pop_front();
+            self.forget_first();
         }
         self.kept.push_back(arrival);
+    }
+
+    /// Notes what is not kept: it is in a take, or nobody wants it.
+    pub(super) fn pass(&mut self, arrival: &Arrival) {
+        if let Arrived::Pose { stream, record, .. } = &arrival.what {
+            self.before.insert(*stream, Before::of(record));
+        }
     }
 
     /// Hands over what is kept, in order.
@@ -42,10 +52,23 @@ impl Preroll {
         std::mem::take(&mut self.kept)
     }
 
-    fn forget(&mut self, now: Instant) {
-        let is_old = |first: &Arrival| now.saturating_duration_since(first.at) > self.span;
+    /// The last sample of a stream before what is kept and what comes: after it, holes are counted.
+    pub(super) fn before(&self, stream: usize) -> Option<Before> {
+        self.before.get(&stream).copied()
+    }
+
+    /// Forgets what is too old by then.
+    pub(super) fn forget(&mut self, now: Instant) {
+        let span = self.span;
+        let is_old = |first: &Arrival| now.saturating_duration_since(first.at) > span;
         while self.kept.front().is_some_and(is_old) {
-            self.kept.pop_front();
+            self.forget_first();
+        }
+    }
+
+    fn forget_first(&mut self) {
+        if let Some(first) = self.kept.pop_front() {
+            self.pass(&first);
         }
     }
 }
@@ -53,7 +76,7 @@ impl Preroll {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ingest::live::{Arrived, MarkRecord, NO_TIME};
+    use crate::ingest::live::{MarkRecord, NO_TIME, PoseRecord};
 
     fn mark(at: Instant) -> Arrival {
         let record = MarkRecord {
@@ -69,6 +92,46 @@ mod tests {
             at,
             what: Arrived::Mark(record),
         }
+    }
+
+    fn pose(at: Instant, sequence: u64) -> Arrival {
+        let record = PoseRecord {
+            sequence,
+            available_ns: 0,
+            sample_ns: NO_TIME,
+            device_ns: NO_TIME,
+            position_m: [0.0; 3],
+            quaternion_xyzw: [0.0, 0.0, 0.0, 1.0],
+            flags: 1,
+            session: 7,
+        };
+        let what = Arrived::Pose {
+            stream: 1,
+            record,
+            is_overflow: false,
+        };
+        Arrival { at, what }
+    }
+
+    #[test]
+    fn the_last_sample_that_is_not_kept_is_known() {
+        let begun = Instant::now();
+        let of = |sequence| match pose(begun, sequence).what {
+            Arrived::Pose { record, .. } => Some(Before::of(&record)),
+            _ => None,
+        };
+        let mut preroll = Preroll::new(Duration::from_secs(2));
+        assert_eq!(preroll.before(1), None);
+        for k in 0..50 {
+            preroll.keep(pose(begun + Duration::from_millis(100 * k), k));
+        }
+        let kept = preroll.take(begun + Duration::from_millis(4900));
+        assert_eq!((kept.len(), preroll.before(1)), (21, of(28)));
+        preroll.pass(&pose(begun, 60));
+        assert_eq!((preroll.before(1), preroll.before(0)), (of(60), None));
+        let mut none = Preroll::new(Duration::ZERO);
+        none.keep(pose(begun, 3));
+        assert_eq!(none.before(1), of(3));
     }
 
     #[test]

@@ -5,7 +5,7 @@ mod state;
 mod takes;
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::event::CaptureEvent;
 use super::notice::Notice;
@@ -29,12 +29,14 @@ impl Recorder {
             match queue.recv_timeout(tick) {
                 Ok(batch) => {
                     self.metrics.batches_waiting.take();
+                    let last = batch.last().map(|arrival| arrival.at.elapsed());
+                    state.behind = last.unwrap_or_default();
                     batch.iter().for_each(|arrival| {
                         self.take_in(&mut state, arrival);
                         self.show(arrival);
                     });
                 }
-                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Timeout) => state.behind = Duration::ZERO,
                 Err(RecvTimeoutError::Disconnected) => break,
             }
             while let Ok(order) = self.orders.try_recv() {
@@ -88,6 +90,7 @@ impl Recorder {
             state.outside += 1;
             return state.preroll.keep(arrival.clone());
         };
+        state.preroll.pass(arrival);
         if let Err(error) = journal(take, arrival) {
             self.give_up(state, &error);
         }

@@ -7,8 +7,8 @@ use super::event::{CountsLine, MarkCounts, TrackerLine};
 use super::label::{METADATA, TakeLabel};
 use super::latency::Latencies;
 use crate::config::CaptureSettings;
+use crate::ingest::live::{Before, Stream, StreamTopic, Streamed, stamp_mark};
 use crate::ingest::live::{MarkRecord, PoseRecord};
-use crate::ingest::live::{Stream, StreamTopic, Streamed, stamp_mark};
 use crate::motion::{Scene, Stamp, TakeEvent};
 use crate::write::{Journal, WriteError};
 
@@ -72,24 +72,27 @@ pub(super) struct Take {
 }
 
 impl Take {
-    /// Begins a take with its journal at a path.
+    /// Begins a take with its journal at a path; `before` is the last sample of each stream that
+    /// came before it.
     pub(super) fn begin(
         number: u64,
         path: &Path,
         scene: &Scene,
         scene_toml: &[u8],
         topics: &[StreamTopic],
-        settings: &CaptureSettings,
+        (settings, before): (&CaptureSettings, &dyn Fn(usize) -> Option<Before>),
     ) -> Result<Self, WriteError> {
         let names: Vec<String> = topics.iter().map(|topic| topic.topic.clone()).collect();
         let anchor = Anchor::now();
-        let stream = |topic: &StreamTopic| Stream::new(settings.stamps[topic.track]);
+        let stream = |(number, topic): (usize, &StreamTopic)| {
+            Stream::after(before(number), settings.stamps[topic.track])
+        };
         Ok(Self {
             number,
             journal: Journal::create(path, &names, &scene.marks_topic, scene_toml)?,
             anchor,
             topics: topics.to_vec(),
-            streams: topics.iter().map(stream).collect(),
+            streams: topics.iter().enumerate().map(stream).collect(),
             marks: MarkCounts::default(),
             label: TakeLabel::default(),
             is_catching_up: false,

@@ -18,6 +18,10 @@ pub(super) const STATUS: Duration = Duration::from_millis(200);
 /// Greatest number of events of a take with previews; longer takes have none.
 const SO_FAR_EVENTS: usize = 200_000;
 
+/// A recorder that is further behind what arrives is said to be: samples wait in buffers of 2048 beside
+/// a full queue.
+const BEHIND: Duration = Duration::from_secs(1);
+
 /// Interval of looking whether trackers are silent.
 const LISTEN: Duration = Duration::from_millis(100);
 
@@ -26,8 +30,14 @@ impl Recorder {
     pub(super) fn tick(&self, state: &mut RecorderState, now: Instant) {
         if now.duration_since(state.listened) >= LISTEN {
             state.listened = now;
-            self.metrics.health.say(Part::Recorder, None);
-            self.listen(state, now);
+            let trouble = (state.behind > BEHIND).then(|| {
+                let behind_s = state.behind.as_secs_f64();
+                format!(
+                    "recording is {behind_s:.1} s behind: this machine does not keep up, samples may be lost"
+                )
+            });
+            self.metrics.health.say(Part::Recorder, trouble);
+            self.listen(state, state.known_until(now));
         }
         if let Some(mut take) = state.take.take() {
             let ticked = take.tick(now, &self.settings);

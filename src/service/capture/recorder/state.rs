@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::fs::File;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use tokio::sync::watch;
 
@@ -59,6 +59,8 @@ pub(super) struct RecorderState {
     pub(super) pulses: Vec<Pulse>,
     /// What came in the last seconds, while no take runs.
     pub(super) preroll: Preroll,
+    /// How long ago what is journalled now had arrived.
+    pub(super) behind: Duration,
     pub(super) said: Instant,
     pub(super) listened: Instant,
     pub(super) slow_disk: Seldom,
@@ -74,6 +76,7 @@ impl RecorderState {
             takes: last_number(&of.settings.folder),
             pulses: pulses.collect(),
             preroll: Preroll::new(of.settings.pre_roll),
+            behind: Duration::ZERO,
             listened: now,
             slow_disk: Seldom::default(),
             outside: 0,
@@ -97,9 +100,16 @@ impl RecorderState {
         self.totals.1.merge(&take.latencies);
     }
 
+    /// The moment of which everything that came is known: trackers that are heard with a delay are
+    /// not silent.
+    pub(super) fn known_until(&self, now: Instant) -> Instant {
+        now.checked_sub(self.behind).unwrap_or(now)
+    }
+
     /// How everything stands, for whoever looks.
     pub(super) fn status(&mut self, now: Instant) -> Status {
-        let trackers = self.pulses.iter_mut().map(|pulse| pulse.state(now));
+        let known = self.known_until(now);
+        let trackers = self.pulses.iter_mut().map(|pulse| pulse.state(known));
         let trackers = trackers.collect();
         let take = self.take.as_ref();
         let (mut totals, mut latency) = self.totals.clone();

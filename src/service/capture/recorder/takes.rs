@@ -23,6 +23,8 @@ const ANSWERS: usize = 16;
 impl Recorder {
     pub(super) fn start(&self, state: &mut RecorderState, asked: Option<&ControlRecord>) {
         state.takes += 1;
+        let begun = Instant::now();
+        state.preroll.forget(begun);
         let path = take_path(&self.settings.folder, state.takes, now_ns());
         let (scene, toml) = (&self.scene, &self.scene_toml);
         match Take::begin(
@@ -31,11 +33,11 @@ impl Recorder {
             scene,
             toml,
             &self.topics,
-            &self.settings,
+            (&self.settings, &|stream| state.preroll.before(stream)),
         ) {
             Ok(mut take) => {
                 (state.followed, state.is_over) = (Some(0), false);
-                let kept = state.preroll.take(Instant::now());
+                let kept = state.preroll.take(begun);
                 let pulses = state.pulses.iter();
                 let unheard = pulses.filter(|pulse| !pulse.is_sending());
                 let said = CaptureEvent::Started {
@@ -47,9 +49,10 @@ impl Recorder {
                 self.metrics.health.say(Part::Take, None);
                 self.answer(state, said, asked);
                 take.is_catching_up = true;
-                let caught_up = kept
-                    .iter()
-                    .try_for_each(|arrival| journal(&mut take, arrival));
+                let caught_up = kept.iter().try_for_each(|arrival| {
+                    state.preroll.pass(arrival);
+                    journal(&mut take, arrival)
+                });
                 take.is_catching_up = false;
                 state.take = Some(take);
                 if let Err(error) = caught_up {

@@ -1,24 +1,24 @@
+use std::fs::File;
 use std::os::unix::fs::MetadataExt;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
-use std::time::Duration;
 
 use tokio::sync::watch;
 
 use super::super::event::Status;
 use super::super::notice;
+use super::super::presence::Presence;
 use super::*;
 use crate::config::capture_from_toml;
-use crate::ingest::live::stream_topics;
+use crate::ingest::live::{NO_TIME, PoseRecord, stream_topics};
 
-/// The journal is handed on to be synced every `sync_ms`, and nothing else is.
-#[test]
-fn the_journal_is_synced_as_often_as_said() {
-    let folder = tempfile::tempdir().expect("folder");
+/// A recorder for that folder, with what it hands on to be synced.
+fn recorder(folder: &Path) -> (Recorder, Receiver<File>) {
     let text = include_str!("../../../../config/pencil_tip.toml");
     let text = format!("{text}\n[capture]\nsync_ms = 300\n");
     let (scene, mut settings) = capture_from_toml(&text).expect("a scene");
-    settings.folder = folder.path().to_owned();
+    settings.folder = folder.to_owned();
     let metrics = Arc::default();
     let (publisher, _notices) = notice::queue(&metrics);
     let (syncer, files) = sync_channel(1);
@@ -36,6 +36,52 @@ fn the_journal_is_synced_as_often_as_said() {
         feed: None,
         orders: std::sync::mpsc::channel().1,
     };
+    (recorder, files)
+}
+
+/// Who is behind says so, and does not take the trackers for silent that it has not heard yet.
+#[test]
+fn a_recorder_that_is_behind_says_so_and_calls_nobody_silent() {
+    let folder = tempfile::tempdir().expect("folder");
+    let (recorder, _files) = recorder(folder.path());
+    let mut state = RecorderState::new(&recorder);
+    let begun = state.listened;
+    for k in 0..100_u64 {
+        let record = PoseRecord {
+            sequence: k,
+            available_ns: 0,
+            sample_ns: NO_TIME,
+            device_ns: NO_TIME,
+            position_m: [0.0; 3],
+            quaternion_xyzw: [0.0, 0.0, 0.0, 1.0],
+            flags: 1,
+            session: 1,
+        };
+        state.pulses[0].sample(begun + Duration::from_millis(10 * k), &record);
+    }
+    let mut look = |behind_ms: u64| {
+        state.behind = Duration::from_millis(behind_ms);
+        recorder.tick(
+            &mut state,
+            begun + Duration::from_millis(4000 + 3000 - behind_ms),
+        );
+        let troubles = recorder.metrics.health.troubles(Instant::now()).join("; ");
+        (
+            state.status(begun + Duration::from_secs(4)).trackers[0].state,
+            troubles,
+        )
+    };
+    let (heard, troubles) = look(3000);
+    assert_eq!(heard, Presence::Sending);
+    assert!(troubles.contains("recording is 3.0 s behind"), "{troubles}");
+    assert_eq!(look(0), (Presence::Silent, String::new()));
+}
+
+/// The journal is handed on to be synced every `sync_ms`, and nothing else is.
+#[test]
+fn the_journal_is_synced_as_often_as_said() {
+    let folder = tempfile::tempdir().expect("folder");
+    let (recorder, files) = recorder(folder.path());
     let mut state = RecorderState::new(&recorder);
     recorder.start(&mut state, None);
     let take = state.take.as_ref().expect("a take");

@@ -13,7 +13,14 @@ fn take(folder: &Path, capture: &str) -> (Take, CaptureSettings) {
     let (scene, settings) = capture_from_toml(&text).expect("a scene");
     let path = folder.join("take.mcap");
     let topics = stream_topics(&scene);
-    let take = Take::begin(1, &path, &scene, text.as_bytes(), &topics, &settings);
+    let take = Take::begin(
+        1,
+        &path,
+        &scene,
+        text.as_bytes(),
+        &topics,
+        (&settings, &|_| None),
+    );
     (take.expect("begun"), settings)
 }
 
