@@ -135,6 +135,9 @@ fn a_hole_across_the_start_of_a_take_is_counted() {
     daemon.signal("CONT");
     daemon.wait_for("started");
     send(5000..5100);
+    let (code, said, _) = house.take(&["status"]);
+    let is_said = said.contains("trouble: 2852 samples are missing in take 1\n");
+    assert!(code == Some(3) && is_said, "{said}");
     tracker.control(Command::Stop, 7, 2, 0).expect("send");
     let closed = daemon.wait_for("closed");
     let counts = &closed["counts"]["trackers"][0]["counts"];

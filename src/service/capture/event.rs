@@ -125,7 +125,7 @@ pub enum CaptureEvent {
         events: Vec<String>,
         /// How the trackers stand.
         trackers: Vec<TrackerState>,
-        /// What keeps takes from being written.
+        /// What keeps takes from being written, and what of this one did not arrive.
         troubles: Vec<String>,
     },
     /// A control message was refused.
@@ -193,7 +193,10 @@ impl CountsLine {
 
     /// Whether a sample is known to be lost.
     pub fn is_lossy(&self) -> bool {
-        let lost = |line: &TrackerLine| line.counts.missing > 0 || line.counts.unstampable > 0;
+        let lost = |line: &TrackerLine| {
+            let counts = &line.counts;
+            counts.missing > 0 || counts.overflows > 0 || counts.unstampable > 0
+        };
         self.trackers.iter().any(lost) || self.marks.refused > 0
     }
 }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use super::event::CaptureEvent;
 use super::notice::Notice;
-use super::take::now_ns;
+use super::take::{Take, now_ns};
 use crate::ingest::live::{Arrival, Arrived, Command, ControlRecord};
 use crate::motion::{Scene, Stamp};
 use intervals::STATUS;
@@ -138,7 +138,10 @@ impl Recorder {
     /// How everything stands.
     fn asked(&self, state: &mut RecorderState) -> CaptureEvent {
         let now = Instant::now();
+        let known = state.known_until(now);
         let take = state.take.as_ref();
+        let mut troubles = self.metrics.health.troubles(now);
+        troubles.extend(take.and_then(Take::lost));
         CaptureEvent::Asked {
             take: take.map(|take| take.number),
             messages: take.map_or(0, |take| take.journal.messages()),
@@ -147,9 +150,9 @@ impl Recorder {
             trackers: state
                 .pulses
                 .iter_mut()
-                .map(|pulse| pulse.state(now))
+                .map(|pulse| pulse.state(known))
                 .collect(),
-            troubles: self.metrics.health.troubles(now),
+            troubles,
         }
     }
 }

@@ -192,6 +192,23 @@ impl Take {
         self.marks.received - self.marks.refused
     }
 
+    /// What of it did not arrive, in words.
+    pub(super) fn lost(&self) -> Option<String> {
+        let counts = || self.streams.iter().map(Stream::counts);
+        let missing: u64 = counts().map(|counts| counts.missing).sum();
+        let is_cut = counts().any(|counts| counts.overflows > 0);
+        (missing > 0 || is_cut).then(|| {
+            let number = self.number;
+            match missing {
+                0 => {
+                    format!("samples before the first of a publisher are missing in take {number}")
+                }
+                1 => format!("1 sample is missing in take {number}"),
+                _ => format!("{missing} samples are missing in take {number}"),
+            }
+        })
+    }
+
     /// The counts so far.
     pub(super) fn counts(&self) -> CountsLine {
         let lines = self.topics.iter().zip(&self.streams);
