@@ -89,8 +89,8 @@
 //!
 //! `/health` is 200 while a take could be begun and written, else 503 with the reasons: the last take
 //! could not be recorded, less than 1 MiB is free, no file can be made in the folder or no descriptor be
-//! had (looked at twice a second), the services' files are gone (every second), or a thread has not
-//! moved for 1.5 s. It answers where the process has no descriptor left, too: its port keeps one to spare.
+//! had (looked at twice a second), the services' files are gone (every second), a thread has not
+//! moved for 1.5 s, or the recorder is more than a second behind. It answers where the process has no descriptor left, too: its port keeps one to spare.
 //!
 //! # As a service
 //!
