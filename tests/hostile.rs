@@ -235,10 +235,14 @@ fn a_deadline_ends_reading_and_estimating() {
     let command = ["replay", "IN", "-o", "OUT", "--deadline", "1000s"];
     let whole = cost("take.mcap", &recording, &command);
     assert_eq!(whole.code, Some(0), "{}", whole.stdout);
+    // Between a limit that is over before all is read and one that is not over before all is done; how
+    // long that takes differs from run to run.
     let takes_s = begun.elapsed().as_secs_f64();
-    let mut stopped = 0;
-    for share in 1..10 {
-        let limit = format!("{}us", (takes_s * f64::from(share) * 1e5) as u64);
+    let (mut low_s, mut high_s) = (0.0, takes_s);
+    let mut stopped = false;
+    for _ in 0..60 {
+        let limit_s = 0.5 * (low_s + high_s);
+        let limit = format!("{}us", (limit_s * 1e6) as u64 + 1);
         let command = ["replay", "IN", "-o", "OUT", "--deadline", &limit];
         let found = cost("take.mcap", &recording, &command);
         let is_stopped = found.stdout.contains("ended at its deadline");
@@ -255,9 +259,19 @@ fn a_deadline_ends_reading_and_estimating() {
             "{limit}: {}{}",
             found.stdout, found.stderr
         );
-        stopped += usize::from(is_stopped);
+        match (is_unread, is_stopped) {
+            (true, _) => low_s = limit_s,
+            (_, false) => high_s = limit_s,
+            (_, true) => stopped = true,
+        }
+        if stopped {
+            break;
+        }
+        if high_s - low_s < 1e-4 {
+            (low_s, high_s) = (0.5 * low_s, 1.5 * high_s);
+        }
     }
-    assert!(stopped > 0, "no estimation of {takes_s} s was stopped");
+    assert!(stopped, "no estimation of {takes_s} s was stopped");
     for wrong in ["0s", "1", "-1s", "soon", "inf"] {
         let folder = tempfile::tempdir().expect("folder");
         let found = run(&["inspect", "x.mcap", "--deadline", wrong], folder.path());
