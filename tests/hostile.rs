@@ -307,7 +307,7 @@ fn a_deadline_ends_every_other_command() {
         assert!(is_said, "{command:?}: {}", found.stderr);
         let left = std::fs::read_dir(folder.path()).expect("list");
         let left: Vec<_> = left.map(|entry| entry.expect("an entry").path()).collect();
-        assert_eq!(left, [input.clone()], "{command:?}");
+        assert_eq!(left, std::slice::from_ref(&input), "{command:?}");
         assert_eq!(std::fs::read(&input).expect("read"), bytes);
     }
 }
