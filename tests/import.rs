@@ -355,7 +355,9 @@ fn points_alone_are_points_and_stdin_is_a_file() {
     );
     let report = bench.json(&["replay", "x.mcap", "-o", "out.mcap"]);
     assert_eq!(report["verdict"], "physical", "{report}");
-    let restitution = report["parameters"][0]["value"].as_f64().unwrap();
+    let restitution = report["parameters"]["bounce.restitution"]["value"]
+        .as_f64()
+        .unwrap();
     assert!((restitution - 0.5).abs() < 0.01, "{restitution}");
     // Where a scene wants poses, points are not silently taken for such.
     let wants = [

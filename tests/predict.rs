@@ -59,7 +59,12 @@ fn record(folder: &Path, friction: f64, restitution: f64, later_m: f64) -> PathB
 
 fn record_of(path: &Path, material: &str, later_m: f64) -> PathBuf {
     let mut writer = RecordingWriter::create(path).unwrap();
-    let scene = SCENE.replace("MATERIAL", material);
+    let mut scene = SCENE.replace("MATERIAL", material);
+    if material.is_empty() {
+        // The collision needs a law, and then has its own.
+        let at = "surface = \"table\"\n";
+        scene = scene.replace(at, &format!("{at}restitution = 0.3\n"));
+    }
     writer
         .attach("scene.toml", "application/toml", scene.as_bytes())
         .unwrap();
@@ -183,7 +188,7 @@ fn a_prediction_is_as_uncertain_as_the_material() {
         (&32.into(), &32.into()),
         "{said}"
     );
-    assert_eq!(said["bodies"][0]["up"][0]["up"], "+z", "{said}");
+    assert_eq!(said["bodies"][0]["up"][0]["up"], "face +z", "{said}");
     assert_eq!(said["bodies"][0]["up"][0]["share"], 1.0, "{said}");
     let slides_m = rests_at(&folder.path().join("exact.predicted.mcap"));
     assert!((middle_m - slides_m).norm() < 0.01, "{middle_m} {slides_m}");
@@ -213,7 +218,7 @@ fn a_prediction_says_how_far_it_may_be_off() {
         .unwrap();
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(
-        text.contains("spread    brick: 90 % within ") && text.contains("up: +z 100 %"),
+        text.contains("spread    brick: 90 % within ") && text.contains("up: face +z 100 %"),
         "{text}"
     );
 }

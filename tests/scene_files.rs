@@ -358,7 +358,7 @@ fn a_box_has_the_sides_and_the_mass_that_are_said() {
     let text = fs::read_to_string(folder.path().join("low.toml")).expect("a scene");
     let scene = scene_from_toml(&text).expect("it is read");
     let radius_m = scene.links.iter().next().expect("a body").radius_m();
-    let half_m = nalgebra::Vector3::new(0.02, 0.015, 0.01).norm();
+    let half_m = nalgebra::Vector3::<f64>::new(0.02, 0.015, 0.01).norm();
     assert!((radius_m - half_m).abs() < 1e-9, "{radius_m} {half_m}");
 }
 
