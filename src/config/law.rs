@@ -22,14 +22,20 @@ pub(super) fn of_bodies(raw: &[Spanned<RawBody>], laws: &mut Laws) -> Result<Bod
     let of_body = |spanned: &Spanned<RawBody>| {
         let body = spanned.get_ref();
         let Some(restitution) = &body.restitution else {
-            let others = [&body.friction, &body.restitution_sd, &body.friction_sd];
-            return match others.into_iter().flatten().next() {
-                None => Ok(None),
-                Some(alone) => fault(
-                    alone.span(),
-                    "the body has a friction or a deviation and no restitution, expected both or neither",
-                ),
-            };
+            let others = [
+                (&body.friction, "friction"),
+                (&body.restitution_sd, "deviation of it"),
+                (&body.friction_sd, "deviation of its friction"),
+            ];
+            for (other, what) in others {
+                if let Some(alone) = other {
+                    let message = format!(
+                        "the body has a {what} and no restitution, expected both or neither"
+                    );
+                    return fault(alone.span(), message);
+                }
+            }
+            return Ok(None);
         };
         let name = body.name.get_ref();
         let law = law(name, restitution, body.friction.as_ref())?;

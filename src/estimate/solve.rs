@@ -1,7 +1,7 @@
 //! The stage as the pipeline calls it: from guesses to an estimate, with standard deviations on
 //! request.
 
-mod last;
+pub mod last;
 mod nearby;
 mod rivals;
 
@@ -20,8 +20,6 @@ use crate::motion::{
     Counters, Estimate, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps, Verdict,
 };
 use crate::optimise::{Program, Work};
-
-pub use self::last::LastState;
 
 /// An estimate with the solution from which its deviations are computed.
 #[derive(Clone, Debug)]

@@ -122,7 +122,10 @@ mod tests {
         assert!(
             (spread.up[0].1 - 0.55).abs() < 1e-12 && (spread.likely_share - 0.55).abs() < 1e-12
         );
-        assert_eq!(spread.likely, ends[9]);
+        // Of those that lie so one of the two nearest to the middle.
+        let off_m = (spread.likely.translation.vector - spread.median_m).norm();
+        let turn = spread.likely.rotation.angle_to(&ends[9].rotation);
+        assert!(off_m < 0.51e-3 && turn < 0.02, "{spread:?}");
         assert!(LinkSpread::new(LinkIndex(0), &[], &[]).is_none());
     }
 }

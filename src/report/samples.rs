@@ -54,7 +54,6 @@ pub struct SettledLine {
     /// Whether it is a prediction, or only a way to rest.
     pub is_predicted: bool,
     /// How far the prediction may be off, where that is known.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub spread: Option<SpreadLine>,
     /// Largest speed of a centre of mass on the way.
     pub largest_speed_m_s: f64,

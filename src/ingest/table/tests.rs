@@ -178,10 +178,13 @@ fn vicons_frames_are_times_at_the_rate_of_the_section() {
         assert!(x == 0.0 && y == 0.0 && (z - half).abs() < 1e-12 && (w - half).abs() < 1e-12);
     }
     let error = refused(
-        "Trajectories\n100\n,,m1,,\nFrame,Sub Frame,X,Y,Z\n,,mm,mm,mm\n51,0,1,2,3\n",
+        "Devices\n100\n,,m1,,\nFrame,Sub Frame,X,Y,Z\n,,mm,mm,mm\n51,0,1,2,3\n",
         &TableOptions::default(),
     );
-    assert!(error.contains("no section Objects or Segments"), "{error}");
+    assert!(
+        error.contains("no section Objects, Segments or Trajectories"),
+        "{error}"
+    );
 }
 
 #[test]
