@@ -17,6 +17,7 @@ mod preview;
 mod rest;
 mod search;
 mod sound;
+mod spread;
 mod stages;
 mod warm;
 
@@ -26,6 +27,7 @@ use self::perform::{Performed, Prepared};
 pub use self::preview::{Preview, Previewed};
 pub use self::search::SearchWork;
 use self::stages::doubts;
+use crate::estimate::Solved;
 use crate::motion::{
     Diagnosis, End, EventKind, Mark, Observer, Phase, Scene, Stamp, TakeEvent, TrackIndex, Verdict,
 };
@@ -176,6 +178,8 @@ impl Pipeline {
         if self.is_free_auto && sought.is_none() {
             (solved, freed) = free::free(solved, &self.events, observer)?;
         }
+        let predicting = self.is_predicting.then_some(&solved.inferred.solved);
+        let known = predicting.and_then(Solved::last_states);
         let mut outcome = solved.outcome(observer);
         outcome.freed = freed;
         if outcome.estimate.verdict != Verdict::Failed {
@@ -189,6 +193,7 @@ impl Pipeline {
             outcome.diagnoses = diagnose(&self.scene, &self.events, Some(&outcome), observer);
         }
         outcome.settle(self.is_predicting, observer);
+        outcome.spread(known.as_deref(), observer);
         if let Some(sought) = sought {
             outcome.lie(sought.work, sought.labels);
         }

@@ -23,7 +23,7 @@ use typed_index_collections::{TiSlice, TiVec};
 
 use self::convert::{from_rapier, pose_of, to_rapier, to_rapier_pose};
 use self::joined::{Joined, Moving, Tied};
-pub use self::material::{FRICTION, RESTITUTION};
+pub use self::material::{FRICTION, FRICTION_SD, RESTITUTION, RESTITUTION_SD};
 use self::material::{made_of, standing};
 use crate::motion::{
     Estimate, JointTree, LinkIndex, MechanismIndex, Scene, Settled, SettledLink, Surface,
@@ -113,6 +113,7 @@ fn simulated(
             .collect(),
         at_rest: false,
         is_predicted: false,
+        spread: None,
         largest_speed_m_s: states
             .iter()
             .flatten()

@@ -127,6 +127,12 @@ fn links_lead_to_files_and_every_page_is_listed() {
                 folder.join(file).exists(),
                 "{page:?}: {target} is not there"
             );
+            // mdbook names pages `.html`, also those that are none of the book's.
+            let is_of_book = folder.ends_with("docs") && file.ends_with(".md");
+            assert!(
+                !is_of_book || !file.contains("../"),
+                "{page:?}: {target} is no page of the book"
+            );
             if page.ends_with("SUMMARY.md") {
                 listed.insert(folder.join(file));
             }

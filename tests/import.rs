@@ -299,6 +299,81 @@ fn a_wrong_guess_is_seen_by_what_falls_and_said_with_the_flag() {
 }
 
 #[test]
+fn points_alone_are_points_and_stdin_is_a_file() {
+    let rows = rows(|index, of| {
+        let p = of.position_m;
+        format!("{},{},{},{}", index as f64 / RATE_HZ, p.x, p.y, p.z)
+    });
+    let bench = Bench::new(&[("marker.csv", &format!("t,x,y,z\n{rows}"))]);
+    let ran = bench.enact(&["import", "marker.csv", "-o", "plain.mcap"]);
+    assert_eq!(ran.code, Some(0), "{}{}", ran.stdout, ran.stderr);
+    for said in [
+        "points are taken",
+        "/tracker/marker/point",
+        "axes and units agree",
+    ] {
+        assert!(ran.stdout.contains(said), "{said}: {}", ran.stdout);
+    }
+    let listed = bench.json(&["inspect", "plain.mcap"]);
+    let schema = &listed["topics"][0]["schema"];
+    assert!(
+        schema
+            .as_str()
+            .unwrap()
+            .starts_with("foxglove.Point3InFrame"),
+        "{listed}"
+    );
+    // A scene whose track sees a point is estimated of it; its bounce as it was.
+    let features = "features_mm = { south = [0, 0, -20] }\n";
+    let track = "[[body.track]]\ntopic = \"/ball\"\nsees = \"point\"\npoint = \"centre\"\n";
+    let scene = SCENE.replace(features, &format!("{features}{track}"));
+    fs::write(bench.path("points.toml"), scene).unwrap();
+    let cli = [
+        "import",
+        "-",
+        "--scene",
+        "points.toml",
+        "-o",
+        "x.mcap",
+        "--mark",
+        "0:release",
+    ];
+    let marks = ["--mark", "0.3129:bounce", "--mark", "0.55:catch"];
+    let ran = Command::cargo_bin("enact")
+        .unwrap()
+        .current_dir(bench.folder.path())
+        .args(cli)
+        .args(marks)
+        .write_stdin(fs::read(bench.path("marker.csv")).unwrap())
+        .output()
+        .unwrap();
+    assert_eq!(
+        ran.status.code(),
+        Some(0),
+        "{}",
+        String::from_utf8_lossy(&ran.stderr)
+    );
+    let report = bench.json(&["replay", "x.mcap", "-o", "out.mcap"]);
+    assert_eq!(report["verdict"], "physical", "{report}");
+    let restitution = report["parameters"]["bounce.restitution"]["value"]
+        .as_f64()
+        .unwrap();
+    assert!((restitution - 0.5).abs() < 0.01, "{restitution}");
+    // Where a scene wants poses, points are not silently taken for such.
+    let wants = [
+        "import",
+        "marker.csv",
+        "--scene",
+        "scene.toml",
+        "-o",
+        "y.mcap",
+    ];
+    let ran = bench.enact(&[&wants[..], &marks].concat());
+    assert_eq!(ran.code, Some(3), "{}{}", ran.stdout, ran.stderr);
+    assert!(ran.stdout.contains("sees = \"point\""), "{}", ran.stdout);
+}
+
+#[test]
 fn positions_too_large_for_a_room_are_doubted() {
     // Carried about, so that nothing falls.
     let text = rows(|index, _| {

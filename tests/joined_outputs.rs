@@ -507,6 +507,7 @@ fn simulated(scene: &Scene, estimate: &Estimate, steps: usize) -> Settled {
             .collect(),
         at_rest: false,
         is_predicted: false,
+        spread: None,
         largest_speed_m_s: 1.0,
     };
     for step in 0..=steps {

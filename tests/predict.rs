@@ -23,8 +23,7 @@ name = "brick"
 topic = "/brick"
 shape = { kind = "cuboid", size_mm = [80, 60, 40] }
 mass_g = 200
-restitution = RESTITUTION
-friction = FRICTION
+MATERIAL
 [[surface]]
 name = "table"
 point_mm = [0, 0, 0]
@@ -53,11 +52,19 @@ fn stamp(time_s: f64) -> Stamp {
 
 /// The recording, with samples after the landing that are nonsense in one of two ways.
 fn record(folder: &Path, friction: f64, restitution: f64, later_m: f64) -> PathBuf {
-    let path = folder.join(format!("{friction} {restitution} {later_m}.mcap"));
-    let mut writer = RecordingWriter::create(&path).unwrap();
-    let scene = SCENE
-        .replace("FRICTION", &friction.to_string())
-        .replace("RESTITUTION", &restitution.to_string());
+    let name = format!("{friction} {restitution} {later_m}");
+    let material = format!("restitution = {restitution}\nfriction = {friction}");
+    record_of(&folder.join(format!("{name}.mcap")), &material, later_m)
+}
+
+fn record_of(path: &Path, material: &str, later_m: f64) -> PathBuf {
+    let mut writer = RecordingWriter::create(path).unwrap();
+    let mut scene = SCENE.replace("MATERIAL", material);
+    if material.is_empty() {
+        // The collision needs a law, and then has its own.
+        let at = "surface = \"table\"\n";
+        scene = scene.replace(at, &format!("{at}restitution = 0.3\n"));
+    }
     writer
         .attach("scene.toml", "application/toml", scene.as_bytes())
         .unwrap();
@@ -92,7 +99,7 @@ fn record(folder: &Path, friction: f64, restitution: f64, later_m: f64) -> PathB
         writer.mark("/marks", mark.stamp, &mark).unwrap();
     }
     writer.finish().unwrap();
-    path
+    path.to_owned()
 }
 
 fn predicted(input: &Path, more: &[&str]) -> (Option<i32>, Value, String) {
@@ -158,6 +165,62 @@ fn a_brick_slides_as_far_as_its_friction_lets_it() {
             "friction {friction}: {rest_m}, {off_m} of {slides_m} m"
         );
     }
+}
+
+/// Where a prediction says that the brick may be, and how far from there.
+fn spread(folder: &Path, name: &str, material: &str) -> (Vector3<f64>, f64, Value) {
+    let input = record_of(&folder.join(name), material, 9.0);
+    let (code, report, stderr) = predicted(&input, &[]);
+    assert!(matches!(code, Some(0 | 3)), "{stderr}");
+    let spread = report["settled"]["spread"].clone();
+    let body = &spread["bodies"][0];
+    let median_m = [0, 1, 2].map(|axis| body["median_m"][axis].as_f64().unwrap());
+    (median_m.into(), body["radius_m"].as_f64().unwrap(), spread)
+}
+
+#[test]
+fn a_prediction_is_as_uncertain_as_the_material() {
+    let folder = TempDir::new().unwrap();
+    let own = "restitution = 0.0\nfriction = 0.2";
+    let (middle_m, exact_m, said) = spread(folder.path(), "exact.mcap", own);
+    assert_eq!(
+        (&said["draws"], &said["at_rest"]),
+        (&32.into(), &32.into()),
+        "{said}"
+    );
+    assert_eq!(said["bodies"][0]["up"][0]["up"], "face +z", "{said}");
+    assert_eq!(said["bodies"][0]["up"][0]["share"], 1.0, "{said}");
+    let slides_m = rests_at(&folder.path().join("exact.predicted.mcap"));
+    assert!((middle_m - slides_m).norm() < 0.01, "{middle_m} {slides_m}");
+    // The way is v²/(2 μ g): a tenth of the friction is a tenth of it, and 1.64 of that cover nine in ten.
+    let scattered = format!("{own}\nfriction_sd = 0.02");
+    let (_, radius_m, _) = spread(folder.path(), "scattered.mcap", &scattered);
+    let expected_m = 1.64 * 0.1 * slides_m.x;
+    assert!(
+        (0.6 * expected_m..1.6 * expected_m).contains(&radius_m),
+        "{radius_m}, expected {expected_m}"
+    );
+    assert!(exact_m < 0.2 * radius_m, "{exact_m} of {radius_m} m");
+    // What nobody knows of the material is not left out.
+    let (_, unknown_m, _) = spread(folder.path(), "unknown.mcap", "");
+    assert!(unknown_m > 0.05, "{unknown_m}");
+}
+
+#[test]
+fn a_prediction_says_how_far_it_may_be_off() {
+    let folder = TempDir::new().unwrap();
+    let input = record(folder.path(), 0.2, 0.0, 9.0);
+    let output = Command::cargo_bin("enact")
+        .unwrap()
+        .arg("predict")
+        .arg(&input)
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        text.contains("spread    brick: 90 % within ") && text.contains("up: face +z 100 %"),
+        "{text}"
+    );
 }
 
 #[test]

@@ -321,6 +321,48 @@ fn materials_bounce_as_their_rules_say() {
 }
 
 #[test]
+fn a_box_has_the_sides_and_the_mass_that_are_said() {
+    let folder = folder();
+    let arguments = [
+        "scene",
+        "new",
+        "book",
+        "-o",
+        "cube.toml",
+        "--size-mm",
+        "105,105,105",
+        "--mass-g",
+        "370",
+    ];
+    stdout(folder.path(), &arguments, 0);
+    let text = fs::read_to_string(folder.path().join("cube.toml")).expect("a scene");
+    let scene = scene_from_toml(&text).expect("it is read");
+    let body = &scene.links.iter().next().expect("a body").body;
+    let expected = 0.37 * 0.105 * 0.105 / 6.0;
+    let off = body.moments_kg_m2().map(|of| of / expected - 1.0);
+    assert!(
+        (body.mass_kg() - 0.37).abs() < 1e-12 && off.amax() < 1e-9,
+        "{off}"
+    );
+    // A hollow one on its bottom.
+    let arguments = [
+        "scene",
+        "new",
+        "box",
+        "-o",
+        "low.toml",
+        "--size-mm",
+        "40,30,20",
+    ];
+    stdout(folder.path(), &arguments, 0);
+    let text = fs::read_to_string(folder.path().join("low.toml")).expect("a scene");
+    let scene = scene_from_toml(&text).expect("it is read");
+    let radius_m = scene.links.iter().next().expect("a body").radius_m();
+    let half_m = nalgebra::Vector3::<f64>::new(0.02, 0.015, 0.01).norm();
+    assert!((radius_m - half_m).abs() < 1e-9, "{radius_m} {half_m}");
+}
+
+#[test]
 fn a_scene_is_never_replaced_and_an_unknown_object_is_answered_with_the_nearest() {
     let folder = folder();
     stdout(folder.path(), &["scene", "new", "die"], 0);
@@ -334,6 +376,12 @@ fn a_scene_is_never_replaced_and_an_unknown_object_is_answered_with_the_nearest(
         assert!(said.contains(message), "{arguments:?}: {said}");
     };
     let before = fs::read(folder.path().join("die.toml")).expect("a scene");
+    let first = String::from_utf8_lossy(&before);
+    let first = first.lines().next().expect("a line");
+    assert!(
+        first.starts_with("# Made by enact ") && first.ends_with(": enact scene new die"),
+        "{first}"
+    );
     refused(&["scene", "new", "die"], 1, "is there already");
     assert_eq!(
         fs::read(folder.path().join("die.toml")).expect("a scene"),
@@ -341,6 +389,14 @@ fn a_scene_is_never_replaced_and_an_unknown_object_is_answered_with_the_nearest(
     );
     refused(&["scene", "new", "pencli"], 1, "did you mean pencil?");
     refused(&["scene", "new", "die", "--unit", "mm"], 1, "is of a mesh");
+    let sized =
+        |object: &'static str| ["scene", "new", object, "-o", "x.toml", "--size-mm", "1,2,3"];
+    refused(
+        &sized("ball"),
+        1,
+        "expected a size for die, box, book, phone only",
+    );
+    refused(&sized("book"), 1, "expected the mass in grams too");
     refused(
         &["scene", "new", "die", "--mass-g", "-1"],
         2,

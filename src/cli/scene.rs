@@ -59,6 +59,7 @@ fn new(arguments: NewSceneArguments) -> anyhow::Result<Exit> {
         unit_m: arguments.unit.map(LengthUnit::metres),
         take_hull: arguments.hull,
         mass_g: arguments.mass_g,
+        size_mm: arguments.size_mm,
         material: arguments.material,
         tracker_mm: arguments.tracker_mm,
         bounces: arguments.bounces,
@@ -67,6 +68,7 @@ fn new(arguments: NewSceneArguments) -> anyhow::Result<Exit> {
             NewStamps::Physical => "physical".into(),
         },
         lands: arguments.lands,
+        command: output::command_line(),
     };
     let made = match service::make_scene(&job) {
         Ok(made) => made,
@@ -200,6 +202,7 @@ fn from_urdf(arguments: FromUrdfArguments) -> anyhow::Result<Exit> {
     let job = FromUrdfJob {
         input: arguments.input,
         output: arguments.output,
+        command: output::command_line(),
     };
     let imported = match service::from_urdf(&job) {
         Ok(imported) => imported,

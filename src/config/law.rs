@@ -22,16 +22,32 @@ pub(super) fn of_bodies(raw: &[Spanned<RawBody>], laws: &mut Laws) -> Result<Bod
     let of_body = |spanned: &Spanned<RawBody>| {
         let body = spanned.get_ref();
         let Some(restitution) = &body.restitution else {
-            return match &body.friction {
-                None => Ok(None),
-                Some(alone) => fault(
-                    alone.span(),
-                    "the body has a friction and no restitution, expected both or neither",
-                ),
-            };
+            let others = [
+                (&body.friction, "friction"),
+                (&body.restitution_sd, "deviation of it"),
+                (&body.friction_sd, "deviation of its friction"),
+            ];
+            for (other, what) in others {
+                if let Some(alone) = other {
+                    let message = format!(
+                        "the body has a {what} and no restitution, expected both or neither"
+                    );
+                    return fault(alone.span(), message);
+                }
+            }
+            return Ok(None);
         };
         let name = body.name.get_ref();
         let law = law(name, restitution, body.friction.as_ref())?;
+        let sd = |what: &str, number: &Option<Number>| match number {
+            None => Ok(0.0),
+            Some(number) => within(what, number, 1.0),
+        };
+        let law = ContactLaw {
+            restitution_sd: sd("restitution_sd", &body.restitution_sd)?,
+            friction_sd: sd("friction_sd", &body.friction_sd)?,
+            ..law
+        };
         Ok(Some(laws.push_and_get_key(law)))
     };
     raw.iter().map(of_body).collect()
@@ -105,13 +121,13 @@ pub(super) fn of_event(
 }
 
 fn law(name: &str, restitution: &Number, friction: Option<&Number>) -> Result<ContactLaw, Fault> {
+    let restitution = within("restitution", restitution, 1.0)?;
     Ok(ContactLaw {
-        name: name.to_owned(),
-        restitution: within("restitution", restitution, 1.0)?,
         friction: match friction {
             None => 0.0,
             Some(number) => within("friction", number, FRICTION_MAX)?,
         },
+        ..ContactLaw::frictionless(name, restitution)
     })
 }
 

@@ -25,6 +25,8 @@ pub struct NewScene {
     pub object: NewObject,
     /// Its mass \[g\], if it is another than that of the preset; of a mesh it is needed.
     pub mass_g: Option<f64>,
+    /// Its sides along x, y and z \[mm\], if they are others than those of the preset, which is a box then.
+    pub size_mm: Option<[f64; 3]>,
     /// How it bounces, by the name of a [`Material`]; by default as is usual for it, roughly.
     pub material: Option<String>,
     /// Where the tracker is on it \[mm\], in its frame.
@@ -100,6 +102,17 @@ pub enum NewSceneError {
         /// What would do.
         expected: &'static str,
     },
+    /// A size for what has none.
+    #[error("{name:?} has no sides, expected a size for {expected} only")]
+    Size {
+        /// As given.
+        name: String,
+        /// What has one.
+        expected: String,
+    },
+    /// Another size, and no mass.
+    #[error("another size has another mass, expected the mass in grams too")]
+    SizeWithoutMass,
     /// The mesh is refused.
     #[error("the mesh: {0}")]
     Mesh(#[from] MeshError),
@@ -129,7 +142,7 @@ pub fn new_scene(of: &NewScene) -> Result<MadeScene, NewSceneError> {
     let (name, title, mut body, feature) = match &of.object {
         NewObject::Preset(name) => {
             let preset = preset(name).ok_or_else(|| unknown(name))?;
-            let body = of_preset(preset, of.mass_g);
+            let body = of_preset(preset, of.mass_g, of.size_mm)?;
             (
                 preset.name.to_owned(),
                 preset.what.to_owned(),
@@ -152,6 +165,9 @@ pub fn new_scene(of: &NewScene) -> Result<MadeScene, NewSceneError> {
                 });
             }
             let mass_g = of.mass_g.ok_or(NewSceneError::Mass)?;
+            if of.size_mm.is_some() {
+                return Err(without_sides(name));
+            }
             let mesh = mesh(bytes, *format, *unit_m, *take_hull)?;
             let body = of_mesh(&mesh, mass_g, &mut notes)?;
             let title = format!("{name}, of a mesh; in the frame of the mesh");
@@ -274,14 +290,40 @@ impl BodyText {
     }
 }
 
-fn of_preset(preset: &Preset, mass_g: Option<f64>) -> BodyText {
+fn of_preset(
+    preset: &Preset,
+    mass_g: Option<f64>,
+    size_mm: Option<[f64; 3]>,
+) -> Result<BodyText, NewSceneError> {
+    let mut body = preset.body.to_owned();
+    if let Some([x, y, z]) = size_mm {
+        let usual = preset.sides().ok_or_else(|| without_sides(preset.name))?;
+        if mass_g.is_none() && preset.mass.starts_with("mass_g") {
+            return Err(NewSceneError::SizeWithoutMass);
+        }
+        body = body.replace(usual, &format!("size_mm = [{x}, {y}, {z}]"));
+        // Its origin stays in the middle of its bottom, if it is there.
+        body = body.replace(
+            "position_mm = [0, 0, 50]",
+            &format!("position_mm = [0, 0, {}]", 0.5 * z),
+        );
+    }
     let mass = match mass_g {
         Some(mass_g) => format!("mass_g = {mass_g}\n"),
         None => format!("# {}.\n{}\n", preset.source, preset.mass),
     };
-    BodyText {
-        keys: mass + preset.body,
+    Ok(BodyText {
+        keys: mass + &body,
         tables: preset.parts.to_owned(),
+    })
+}
+
+fn without_sides(name: &str) -> NewSceneError {
+    let with = PRESETS.iter().filter(|of| of.sides().is_some());
+    let names: Vec<&str> = with.map(|of| of.name).collect();
+    NewSceneError::Size {
+        name: name.to_owned(),
+        expected: names.join(", "),
     }
 }
 

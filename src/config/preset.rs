@@ -24,6 +24,15 @@ pub struct Preset {
     pub(super) feature: Option<&'static str>,
 }
 
+impl Preset {
+    /// The key of its sides, where it is one box.
+    pub(super) fn sides(&self) -> Option<&'static str> {
+        let from = self.body.find("size_mm = [")?;
+        let sides = &self.body[from..];
+        Some(&sides[..=sides.find(']')?]).filter(|_| self.parts.is_empty())
+    }
+}
+
 /// All of them.
 pub const PRESETS: &[Preset] = &[
     Preset {

@@ -190,6 +190,11 @@ pub(super) struct RawBody {
     pub(super) restitution: Option<Number>,
     /// Coefficient of friction at all its impacts, beside `restitution`. Default: 0.
     pub(super) friction: Option<Number>,
+    /// Standard deviation of `restitution` from one occasion to the next, of which `predict` makes its spread.
+    /// Default: 0.
+    pub(super) restitution_sd: Option<Number>,
+    /// The same of `friction`. Default: 0.
+    pub(super) friction_sd: Option<Number>,
     /// A constant force per mass, in the axes of the world. Default: none.
     pub(super) force_m_s2: Option<Triple>,
     /// Drag that grows with speed, per mass. Default: none.

@@ -66,5 +66,6 @@ mod whitened;
 
 pub use bound::{Bound, Part};
 pub use recipe::Recipe;
+pub use solve::last::LastState;
 pub use solve::{Solved, cost, estimate};
 pub use whitened::Whitened;

@@ -1,6 +1,7 @@
 //! The stage as the pipeline calls it: from guesses to an estimate, with standard deviations on
 //! request.
 
+pub mod last;
 mod nearby;
 mod rivals;
 

@@ -1,6 +1,5 @@
 //! Recordings: MCAP files that hold a take.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -11,7 +10,7 @@ use super::source::{RecordingSource, Source};
 use crate::motion::{Scene, SketchRow, Stamp, TakeEvent};
 use crate::wire::container::{Channel, Reading};
 use crate::wire::decode::PoseFormat;
-use crate::wire::{Container, ContainerError, DecodeError, decode_keyframe, is_pipe};
+use crate::wire::{Container, ContainerError, DecodeError, decode_keyframe, read_whole};
 
 /// Name of the attachment that holds the scene.
 pub const SCENE_NAME: &str = "scene.toml";
@@ -41,7 +40,7 @@ fn sample_limit(bytes: usize) -> u64 {
 }
 
 impl Recording {
-    /// Reads a file, or [stdin](is_pipe), and walks through it once. A damaged or cut-off file is no error as long
+    /// Reads a file, or [stdin](crate::wire::is_pipe), and walks through it once. A damaged or cut-off file is no error as long
     /// as it begins as MCAP: see [`Container::damages`].
     pub fn open(path: &Path) -> Result<Self, IngestError> {
         Self::open_until(path, None)
@@ -50,15 +49,7 @@ impl Recording {
     /// [`Recording::open`], which stops reading at a deadline, wherever it is
     /// ([`Damage::Late`](crate::wire::container::Damage::Late)).
     pub fn open_until(path: &Path, deadline: Option<Instant>) -> Result<Self, IngestError> {
-        let bytes = match is_pipe(path) {
-            true => {
-                let mut bytes = Vec::new();
-                let read = std::io::stdin().lock().read_to_end(&mut bytes);
-                read.map(|_| bytes)
-            }
-            false => std::fs::read(path),
-        };
-        let bytes = bytes.map_err(|source| IngestError::Read {
+        let bytes = read_whole(path).map_err(|source| IngestError::Read {
             path: path.to_owned(),
             source,
         })?;

@@ -29,6 +29,7 @@ pub mod scene;
 pub mod settled;
 pub mod sketch;
 pub mod snap;
+pub mod spread;
 pub mod suspect;
 pub mod take;
 pub mod time_map;
@@ -69,6 +70,7 @@ pub use sketch::{
     View,
 };
 pub use snap::SnapError;
+pub use spread::{LinkSpread, Spread};
 pub use suspect::Suspect;
 pub use take::{Covariance, Holds, Mark, OpenTime, PoseSample, Stamp, StampSource, TakeEvent};
 pub use time_map::TimeMap;

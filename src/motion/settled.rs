@@ -3,6 +3,7 @@
 use typed_index_collections::TiVec;
 
 use super::index::LinkIndex;
+use super::spread::Spread;
 use crate::math::Pose;
 
 /// The motion after the estimate's end, by forward simulation.
@@ -19,6 +20,8 @@ pub struct Settled {
     /// Whether it is to say where the bodies come to rest, and what was seen of that was not used; otherwise it shows a
     /// way to rest after the end of what was performed.
     pub is_predicted: bool,
+    /// How far the prediction may be off, where that is known.
+    pub spread: Option<Spread>,
     /// Largest speed of a centre of mass [m/s] among the states at multiples of the interval.
     pub largest_speed_m_s: f64,
 }

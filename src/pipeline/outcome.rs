@@ -5,6 +5,8 @@ use thiserror::Error;
 
 use super::infer::Inferred;
 use super::search::SearchWork;
+use super::spread::spread;
+use crate::estimate::LastState;
 use crate::motion::{
     About, Diagnosis, Doubt, Estimate, Observer, Phase, Place, Rest, RestWork, SampleCounts, Scene,
     Settled, Sketch, Suspect, Verdict, Verification,
@@ -105,6 +107,17 @@ impl Outcome {
             if let Some(settled) = &mut self.settled {
                 settled.is_predicted = is_predicted;
             }
+        }
+    }
+
+    /// Tells how far a prediction may be off, where the last states of what flies are known.
+    pub(super) fn spread(&mut self, known: Option<&[LastState]>, observer: &mut dyn Observer) {
+        let Some(settled) = self.settled.as_mut().filter(|of| of.is_predicted) else {
+            return;
+        };
+        let scene = self.scene.as_estimated(&self.estimate);
+        if let (Some(known), Some(limit_s)) = (known, scene.settle_s) {
+            settled.spread = spread(&scene, (&self.estimate, known), limit_s, observer);
         }
     }
 

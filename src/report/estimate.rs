@@ -126,7 +126,7 @@ impl EstimateReport {
             held: held_lines(of),
             undetermined: undetermined_names(scene, estimate),
             verification: of.verification.map(|found| CheckLine::new(scene, found)),
-            settled: of.settled.map(SettledLine::new),
+            settled: of.settled.map(|settled| SettledLine::new(scene, settled)),
             rest: of.rest.map(|rest| RestLine::new(scene, rest)),
             samples: SampleLine::new(of.counts),
         }

@@ -3,7 +3,8 @@
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use crate::motion::{Counters, SampleCounts, Settled};
+use super::spread::SpreadLine;
+use crate::motion::{Counters, SampleCounts, Scene, Settled};
 
 /// What became of the samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -52,14 +53,18 @@ pub struct SettledLine {
     pub at_rest: bool,
     /// Whether it is a prediction, or only a way to rest.
     pub is_predicted: bool,
+    /// How far the prediction may be off, where that is known.
+    pub spread: Option<SpreadLine>,
     /// Largest speed of a centre of mass on the way.
     pub largest_speed_m_s: f64,
 }
 
 impl SettledLine {
     /// Where it begins and how it ends.
-    pub fn new(settled: &Settled) -> Self {
+    pub fn new(scene: &Scene, settled: &Settled) -> Self {
+        let spread = settled.spread.as_ref();
         Self {
+            spread: spread.map(|spread| SpreadLine::new(scene, spread)),
             from_s: settled.from_s,
             end_s: settled.end_s(),
             at_rest: settled.at_rest,

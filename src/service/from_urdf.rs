@@ -6,6 +6,7 @@ use anyhow::Context;
 use serde::Serialize;
 
 use super::output::{refuse_present, write_new_file};
+use super::provenance::made_by;
 use crate::config::scene_from_urdf;
 
 /// The input of [`from_urdf`].
@@ -15,6 +16,8 @@ pub struct FromUrdfJob {
     pub input: PathBuf,
     /// The scene, TOML; beside the input with the ending `.toml` by default.
     pub output: Option<PathBuf>,
+    /// The command that asks for it, which is noted in the scene.
+    pub command: String,
 }
 
 /// The result of [`from_urdf`].
@@ -48,7 +51,7 @@ pub fn from_urdf(job: &FromUrdfJob) -> anyhow::Result<UrdfImported> {
         std::fs::read_to_string(&job.input).with_context(|| format!("{path}: cannot read"))?;
     let made = scene_from_urdf(&text).map_err(|error| error.in_file(path.to_string()))?;
     refuse_present(&output)?;
-    write_new_file(&output, made.toml.as_bytes())?;
+    write_new_file(&output, made_by(&job.command, &made.toml).as_bytes())?;
     Ok(UrdfImported {
         input: path.to_string(),
         output: output.display().to_string(),

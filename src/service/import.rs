@@ -17,8 +17,8 @@ use super::mark::{check_event, stamp_of};
 use super::working::Working;
 use crate::config::scene_from_toml;
 use crate::ingest::table::{PoseTable, TableOptions, read_table};
-use crate::ingest::{ListedMark, Recording, SCENE_NAME};
-use crate::motion::{Mark, PoseSample, Scene, Stamp};
+use crate::ingest::{ListedMark, Recording, SCENE_NAME, read_whole};
+use crate::motion::{Holds, Mark, PoseSample, Scene, Sees, Stamp};
 use crate::write::{DEFAULT_WORLD_FRAME, RecordingWriter, write_part};
 
 /// The input of [`import`].
@@ -128,7 +128,7 @@ pub fn import(job: &ImportJob) -> anyhow::Result<Imported> {
     for input in &job.inputs {
         working.now(input.display().to_string());
         let bytes =
-            std::fs::read(input).with_context(|| format!("{}: cannot read", input.display()))?;
+            read_whole(input).with_context(|| format!("{}: cannot read", input.display()))?;
         match kind::of(input, bytes)? {
             Kind::Table(text) => tables.push((input, read_table(input, &text, &job.options)?)),
             Kind::Recording(bytes) => {
@@ -221,7 +221,10 @@ fn recording(
         })
         .filter(|named| !named.body.samples.is_empty())
         .collect();
-    let names: Vec<&str> = named.iter().map(|named| named.name.as_str()).collect();
+    let names: Vec<(&str, Holds)> = named
+        .iter()
+        .map(|named| (named.name.as_str(), named.body.samples[0].holds))
+        .collect();
     let topics = topics(&names, &job.topics, scene.map(|(scene, _)| scene))?;
     let samples = named.iter().flat_map(|named| &named.body.samples);
     // Every table has a pose.
@@ -248,7 +251,9 @@ fn recording(
         let mut samples: Vec<&PoseSample> = named.body.samples.iter().filter(is_within).collect();
         left_out += (named.body.samples.len() - samples.len()) as u64;
         samples.sort_by_key(|sample| sample.stamp);
-        let told = told(named, &samples);
+        let mut told = told(named, &samples);
+        let scene = scene.map(|(scene, _)| scene);
+        told.against.extend(unseen(named, topic, scene));
         bodies.push(line(named, topic, &samples, &told, origin));
         of_all.add(told);
         entries.extend(samples.iter().map(|of| (of.stamp, Entry::Pose(topic, of))));
@@ -309,6 +314,19 @@ fn recording(
         against: of_all.against,
         warnings: [notes(&|table| table.notes.clone()), of_all.notes].concat(),
         lost: notes(&|table| table.lost.clone()),
+    })
+}
+
+/// Whether the scene wants more of a body than points, in words.
+fn unseen(named: &Named, topic: &str, scene: Option<&Scene>) -> Option<String> {
+    let track = scene?.tracks.iter().find(|track| track.topic == topic)?;
+    let holds = named.body.samples.first()?.holds;
+    let is_enough = holds == Holds::Pose || track.sees == Sees::Point;
+    (!is_enough).then(|| {
+        format!(
+            "{}: has points alone, and the scene's track {:?} sees more; expected sees = \"point\" in a [[body.track]]",
+            named.name, track.name
+        )
     })
 }
 

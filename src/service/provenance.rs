@@ -23,6 +23,15 @@ pub(super) fn file_name(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
+/// A text of TOML below a comment that says what made it.
+pub(super) fn made_by(command: &str, toml: &str) -> String {
+    let command: String = command
+        .chars()
+        .map(|of| if of.is_control() { '?' } else { of })
+        .collect();
+    format!("# Made by {PROGRAM}: {command}\n{toml}")
+}
+
 /// From what an estimate is made: a recording, a scene's text and the file of that if it is not attached, and what was
 /// asked of the pipeline. The command is that of `replay`, by whatever it is made, or of `predict`.
 pub(super) fn provenance(

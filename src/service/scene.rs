@@ -6,6 +6,7 @@ use anyhow::{Context, bail};
 use serde::Serialize;
 
 use super::output::{refuse_present, write_new_file};
+use super::provenance::made_by;
 use crate::config::{
     BodyCheck, MeshFormat, NewObject, NewScene, SceneCheck, check_scene, new_scene, scene_from_toml,
 };
@@ -23,6 +24,8 @@ pub struct NewSceneJob {
     pub take_hull: bool,
     /// Mass \[g\].
     pub mass_g: Option<f64>,
+    /// Sides of a preset that is a box \[mm\], if they are others.
+    pub size_mm: Option<[f64; 3]>,
     /// How it bounces, by the name of a material.
     pub material: Option<String>,
     /// Where the tracker is on it \[mm\].
@@ -33,6 +36,8 @@ pub struct NewSceneJob {
     pub stamps: String,
     /// The axis or face that is up in the end.
     pub lands: Option<String>,
+    /// The command that asks for it, which is noted in the scene.
+    pub command: String,
 }
 
 /// The result of [`make_scene`].
@@ -86,6 +91,7 @@ pub fn make_scene(job: &NewSceneJob) -> anyhow::Result<NewSceneMade> {
     let made = new_scene(&NewScene {
         object,
         mass_g: job.mass_g,
+        size_mm: job.size_mm,
         material: job.material.clone(),
         tracker_mm: job.tracker_mm,
         bounces: job.bounces,
@@ -99,7 +105,7 @@ pub fn make_scene(job: &NewSceneJob) -> anyhow::Result<NewSceneMade> {
     let scene = scene_from_toml(&made.toml)?;
     let checked = check_scene(&scene);
     let body = checked.bodies.into_iter().next();
-    write_new_file(&output, made.toml.as_bytes())?;
+    write_new_file(&output, made_by(&job.command, &made.toml).as_bytes())?;
     Ok(NewSceneMade {
         output: output.display().to_string(),
         scene: made.name,

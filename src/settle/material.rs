@@ -11,6 +11,11 @@ pub const FRICTION: f64 = 0.4;
 /// would bounce further was not performed.
 pub const RESTITUTION: f64 = 0.1;
 
+/// Standard deviations of both of a body of which nothing is known: from ice to rubber.
+pub const FRICTION_SD: f64 = 0.2;
+/// See [`FRICTION_SD`].
+pub const RESTITUTION_SD: f64 = 0.15;
+
 /// The collider of a link, of what the scene says the link is made of: the restitution and friction of the body, if it
 /// has them.
 pub(super) fn made_of(

@@ -25,5 +25,5 @@ mod touch;
 mod whole;
 
 pub use overlap::TOLERANCE_M;
-pub use rest::{is_met, lies};
+pub use rest::{is_met, lies, up_name};
 pub use whole::{touches, verify};

@@ -1,8 +1,8 @@
 //! How bodies lie at the end of their simulated motion, from its poses alone.
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::motion::{Lie, RestGoal, Scene, Settled};
+use crate::motion::{Lie, Link, RestGoal, Scene, Settled};
 use crate::physics::contact;
 
 /// The last part of a motion, in which what rests does not move \[s\].
@@ -42,21 +42,7 @@ fn lie(scene: &Scene, settled: &Settled, goal: &RestGoal) -> Lie {
         && last.rotation.angle_to(&before.rotation) <= STILL_RAD
         && way_m <= STILL_SHARE * link.shape.radius_m();
     let mut axes = vec![(goal.name.clone(), goal.axis)];
-    axes.extend(link.features.iter().filter_map(|feature| {
-        let contact::Feature::Face { normal, .. } = feature.geometry else {
-            return None;
-        };
-        Some((feature.name.clone(), normal))
-    }));
-    axes.extend(
-        ["x", "y", "z"]
-            .into_iter()
-            .enumerate()
-            .flat_map(|(axis, name)| {
-                let along = Vector3::ith(axis, 1.0);
-                [(format!("+{name}"), along), (format!("-{name}"), -along)]
-            }),
-    );
+    axes.extend(named_axes(link));
     let nearest = axes
         .iter()
         .min_by(|a, b| angle_rad(&a.1).total_cmp(&angle_rad(&b.1)));
@@ -67,4 +53,28 @@ fn lie(scene: &Scene, settled: &Settled, goal: &RestGoal) -> Lie {
         is_still,
         is_shown: own_rad <= goal.within_rad,
     }
+}
+
+/// The name of what points up of a link in an orientation: a declared face, `±x`, `±y` or `±z`.
+pub fn up_name(link: &Link, orientation: &UnitQuaternion<f64>, up: &Vector3<f64>) -> String {
+    let off = |axis: &Vector3<f64>| (orientation * axis).angle(up);
+    let axes = named_axes(link).into_iter();
+    let nearest = axes.min_by(|a, b| off(&a.1).total_cmp(&off(&b.1)));
+    nearest.map_or_else(String::new, |(name, _)| name)
+}
+
+/// Declared faces and axes, those that come first before others.
+fn named_axes(link: &Link) -> Vec<(String, Vector3<f64>)> {
+    let faces = link.features.iter().filter_map(|feature| {
+        let contact::Feature::Face { normal, .. } = feature.geometry else {
+            return None;
+        };
+        Some((feature.name.clone(), normal))
+    });
+    let letters = ["x", "y", "z"].into_iter().enumerate();
+    let along = letters.flat_map(|(axis, name)| {
+        let along = Vector3::ith(axis, 1.0);
+        [(format!("+{name}"), along), (format!("-{name}"), -along)]
+    });
+    faces.chain(along).collect()
 }

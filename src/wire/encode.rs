@@ -2,8 +2,8 @@
 
 use foxglove::Encode;
 use foxglove::messages::{
-    Event, FrameTransform, FrameTransforms, JointStates, KeyValuePair, Pose, PoseInFrame,
-    Quaternion, Timestamp, Vector3,
+    Event, FrameTransform, FrameTransforms, JointStates, KeyValuePair, Point3, Point3InFrame, Pose,
+    PoseInFrame, Quaternion, Timestamp, Vector3,
 };
 use thiserror::Error;
 
@@ -42,6 +42,8 @@ pub struct SchemaRecord {
 pub enum Encoded {
     /// `foxglove.PoseInFrame`.
     PoseInFrame,
+    /// `foxglove.Point3InFrame`.
+    Point3InFrame,
     /// `foxglove.FrameTransforms`.
     FrameTransforms,
     /// `foxglove.JointStates`.
@@ -74,6 +76,7 @@ impl Encoded {
                 };
             }
             Encoded::PoseInFrame => PoseInFrame::get_schema(),
+            Encoded::Point3InFrame => Point3InFrame::get_schema(),
             Encoded::FrameTransforms => FrameTransforms::get_schema(),
             Encoded::JointStates => JointStates::get_schema(),
             Encoded::SceneUpdate => foxglove::messages::SceneUpdate::get_schema(),
@@ -119,6 +122,16 @@ pub fn pose_in_frame(frame_id: &str, sample: &PoseSample) -> Result<Vec<u8>, Enc
             position: Some(translation(sample)),
             orientation: Some(rotation(sample)),
         }),
+    }))
+}
+
+/// A `foxglove.Point3InFrame` of the reading's position.
+pub fn point_in_frame(frame_id: &str, sample: &PoseSample) -> Result<Vec<u8>, EncodeError> {
+    let [x, y, z] = sample.position_m.into();
+    Ok(bytes_of(&Point3InFrame {
+        timestamp: Some(timestamp(sample.stamp)?),
+        frame_id: frame_id.to_owned(),
+        point: Some(Point3 { x, y, z }),
     }))
 }
 

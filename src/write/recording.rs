@@ -10,11 +10,11 @@ use mcap::{Attachment, Writer};
 use super::atomic::AtomicFile;
 use super::error::WriteError;
 use super::options;
-use crate::motion::{Keyframe, Mark, PoseSample, Stamp};
+use crate::motion::{Holds, Keyframe, Mark, PoseSample, Stamp};
 use crate::wire::encode;
 use crate::wire::{Encoded, encode_keyframe};
 
-/// Writes a recording: poses as `foxglove.PoseInFrame`, marks as `foxglove.Event`, scenes and
+/// Writes a recording: poses as `foxglove.PoseInFrame`, points as `foxglove.Point3InFrame`, marks as `foxglove.Event`, scenes and
 /// the like as attachments, in the order given. Give them in order of log time: tools warn of
 /// files that are not.
 ///
@@ -45,7 +45,7 @@ impl RecordingWriter {
         })
     }
 
-    /// Adds a tracker reading, in the frame `frame_id`.
+    /// Adds a tracker reading of a pose or a point, in the frame `frame_id`.
     pub fn pose(
         &mut self,
         topic: &str,
@@ -53,8 +53,17 @@ impl RecordingWriter {
         log_time: Stamp,
         sample: &PoseSample,
     ) -> Result<(), WriteError> {
-        let bytes = encode::pose_in_frame(frame_id, sample);
-        self.message(topic, Encoded::PoseInFrame, log_time, bytes)
+        let (kind, bytes) = match sample.holds {
+            Holds::Position => (
+                Encoded::Point3InFrame,
+                encode::point_in_frame(frame_id, sample),
+            ),
+            _ => (
+                Encoded::PoseInFrame,
+                encode::pose_in_frame(frame_id, sample),
+            ),
+        };
+        self.message(topic, kind, log_time, bytes)
     }
 
     /// Adds a keyframe of a body.

@@ -112,6 +112,8 @@ const KEYS: &[(&str, &str, Option<&str>, &str, &str)] = &[
     ("The whole file", "marks_topic", None, "\"/other\"", "top"),
     ("The whole file", "velocity_gaps", None, "\"never\"", "top"),
     ("[[body]]", "friction", None, "0.1", "[[body]]"),
+    ("[[body]]", "friction_sd", None, "0.1", "[[body]]"),
+    ("[[body]]", "restitution_sd", None, "0.1", "[[body]]"),
     ("[[body]]", "held", None, "true", "held"),
     (
         "[[body]]",

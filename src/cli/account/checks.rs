@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::cli::output::push_line;
 use crate::report::units::{angle, length, seconds};
-use crate::report::{EstimateReport, LieLine};
+use crate::report::{EstimateReport, LieLine, SpreadLine};
 
 /// What independent checks found, and how the motion goes on.
 pub(super) fn checks(report: &EstimateReport) -> String {
@@ -62,6 +62,15 @@ pub(super) fn checks(report: &EstimateReport) -> String {
             ),
         };
     }
+    if let Some(settled) = report.settled.as_ref().filter(|of| of.is_predicted) {
+        match &settled.spread {
+            Some(spread) => text += &spread_text(spread),
+            None => push_line(
+                &mut text,
+                "            how far that may be off is not known",
+            ),
+        }
+    }
     if let Some(rest) = &report.rest {
         for lie in &rest.goals {
             push_line(&mut text, format!("  rest      {}", lying(lie)));
@@ -74,6 +83,37 @@ pub(super) fn checks(report: &EstimateReport) -> String {
             );
         }
     }
+    text
+}
+
+/// How far a prediction may be off.
+fn spread_text(spread: &SpreadLine) -> String {
+    let mut text = String::new();
+    for of in &spread.bodies {
+        let [x, y, z] = of.median_m;
+        let up = of
+            .up
+            .iter()
+            .map(|of| format!("{} {:.0} %", of.up, 100.0 * of.share));
+        push_line(
+            &mut text,
+            format!(
+                "  spread    {}: 90 % within {} of ({x:.3}, {y:.3}, {z:.3}) m; up: {}",
+                of.body,
+                length(of.radius_m),
+                up.collect::<Vec<_>>().join(", ")
+            ),
+        );
+    }
+    let moving = spread.draws - spread.at_rest;
+    let moving = match moving {
+        0 => String::new(),
+        moving => format!(", {moving} of them still moving at the end"),
+    };
+    push_line(
+        &mut text,
+        format!("            of {} predictions{moving}", spread.draws),
+    );
     text
 }
 

@@ -49,6 +49,9 @@ pub(in crate::cli) struct NewSceneArguments {
     /// How it bounces, by the name of one of `scene materials` [default: roughly, as is usual for the object]
     #[arg(long, value_name = "NAME")]
     pub(in crate::cli) material: Option<String>,
+    /// Sides of a box, die, book or phone in millimetres along its axes [default: those of the object]
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple)]
+    pub(in crate::cli) size_mm: Option<[f64; 3]>,
     /// Where the tracker is on the object, in millimetres along its axes [default: at its origin]
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
     pub(in crate::cli) tracker_mm: Option<[f64; 3]>,

@@ -23,12 +23,17 @@ fn laws_of(scene: &Scene) -> Vec<&ContactLaw> {
 
 #[test]
 fn impacts_of_a_body_share_its_law() {
-    let text = shared("restitution = 0.7\nfriction = 0.2", "");
+    let text = shared(
+        "restitution = 0.7\nfriction = 0.2\nrestitution_sd = 0.1\nfriction_sd = 0.05",
+        "",
+    );
     let scene = scene_from_toml(&text).unwrap();
     let law = ContactLaw {
         name: "pencil".to_owned(),
         restitution: 0.7,
         friction: 0.2,
+        restitution_sd: 0.1,
+        friction_sd: 0.05,
     };
     assert_eq!(laws_of(&scene), [&law, &law]);
     assert_eq!(scene.contact_laws.len(), 1);
@@ -51,9 +56,8 @@ fn an_event_may_have_a_law_of_its_own() {
     let text = shared("restitution = 0.7", "restitution = 0.4\nfriction = 0.1\n");
     let scene = scene_from_toml(&text).unwrap();
     let own = ContactLaw {
-        name: "again".to_owned(),
-        restitution: 0.4,
         friction: 0.1,
+        ..ContactLaw::frictionless("again", 0.4)
     };
     let body = ContactLaw::frictionless("pencil", 0.7);
     assert_eq!(laws_of(&scene), [&body, &own]);

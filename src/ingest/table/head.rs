@@ -99,11 +99,17 @@ pub(super) fn layout(
             AngleUnit::Radian
         };
         Orientation::Angles([x, y, z], unit)
+    } else if !meanings.iter().any(is_of_orientation) {
+        notes.push(
+            "no columns for an orientation: points are taken, as a track with sees = \"point\" does"
+                .to_owned(),
+        );
+        Orientation::Unseen
     } else {
         return fault(
             line,
             format!(
-                "no columns for an orientation among {}; expected qx, qy, qz and qw in any order, or \
+                "not all columns for an orientation among {}; expected qx, qy, qz and qw in any order, or \
                  their names with --columns",
                 listed(names)
             ),
@@ -144,6 +150,13 @@ pub(super) fn layout(
         notes,
         is_section: false,
     })
+}
+
+fn is_of_orientation(meaning: &Option<Meaning>) -> bool {
+    matches!(
+        meaning,
+        Some(Meaning::Quaternion(_) | Meaning::Numbered(_) | Meaning::Angle { .. })
+    )
 }
 
 /// How a column is named that is not to be read.
@@ -246,10 +259,10 @@ pub(super) fn general(lines: &Lines, order: Option<QuaternionOrder>) -> Result<L
     without_head(row, order)
 }
 
-/// Whether a line names a column that poses need.
+/// Whether a line names the columns that points need.
 fn has_names(line: &Line) -> bool {
     let known = line.cells.iter().filter(|name| meaning(name).is_some());
-    known.count() >= 4
+    known.count() >= 3
 }
 
 fn without_head(row: &Line, order: Option<QuaternionOrder>) -> Result<Layout, Fault> {

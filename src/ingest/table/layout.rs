@@ -60,6 +60,8 @@ pub(super) enum Orientation {
     Quaternion([usize; 4]),
     /// Of three angles.
     Angles([usize; 3], AngleUnit),
+    /// None: a point is all that is seen.
+    Unseen,
 }
 
 impl Orientation {

@@ -15,7 +15,7 @@ use super::time::{Clock, clock};
 use super::units::TimeUnit;
 use super::vendor;
 use crate::ingest::error::IngestError;
-use crate::motion::{LengthUnit, PoseSample, Stamp};
+use crate::motion::{Holds, LengthUnit, PoseSample, Stamp};
 
 /// What a user says of a table; what is not said is read off its head, or guessed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -259,7 +259,15 @@ impl Reader {
         let Some(position) = numbers(row, &columns.position)? else {
             return Ok(None);
         };
+        let position_m = self.preset.vector(position).map(|of| of / self.per_metre);
+        let position_m = Vector3::from(position_m);
         let quaternion = match &columns.orientation {
+            Orientation::Unseen => {
+                let stamp = Stamp(self.clock.of(row, place)?);
+                let sample = PoseSample::new(stamp, position_m, [f64::NAN; 4]);
+                let holds = Holds::Position;
+                return Ok(Some(PoseSample { holds, ..sample }));
+            }
             Orientation::Quaternion(columns) => numbers(row, columns)?,
             Orientation::Angles(columns, unit) => match numbers(row, columns)? {
                 Some(angles) => Some(self.quaternion(angles, *unit, row.number)?),
@@ -270,10 +278,9 @@ impl Reader {
             return Ok(None);
         };
         let stamp = Stamp(self.clock.of(row, place)?);
-        let position_m = self.preset.vector(position).map(|of| of / self.per_metre);
         Ok(Some(PoseSample::new(
             stamp,
-            Vector3::from(position_m),
+            position_m,
             self.preset.quaternion(quaternion),
         )))
     }

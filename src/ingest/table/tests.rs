@@ -4,7 +4,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
 use super::*;
-use crate::motion::{LengthUnit, PoseSample};
+use crate::motion::{Holds, LengthUnit, PoseSample};
 
 fn read(text: &str, options: &TableOptions) -> Result<PoseTable, String> {
     read_table(Path::new("poses.csv"), text, options).map_err(|error| error.to_string())
@@ -178,10 +178,40 @@ fn vicons_frames_are_times_at_the_rate_of_the_section() {
         assert!(x == 0.0 && y == 0.0 && (z - half).abs() < 1e-12 && (w - half).abs() < 1e-12);
     }
     let error = refused(
-        "Trajectories\n100\n,,m1,,\nFrame,Sub Frame,X,Y,Z\n,,mm,mm,mm\n51,0,1,2,3\n",
+        "Devices\n100\n,,m1,,\nFrame,Sub Frame,X,Y,Z\n,,mm,mm,mm\n51,0,1,2,3\n",
         &TableOptions::default(),
     );
-    assert!(error.contains("no section Objects or Segments"), "{error}");
+    assert!(
+        error.contains("no section Objects, Segments or Trajectories"),
+        "{error}"
+    );
+}
+
+#[test]
+fn markers_without_rigid_bodies_are_points() {
+    let motive = "Format Version,1.23,Rotation Type,XYZ,Length Units,Meters\n\n,,Marker,Marker,Marker\n,,Cap,Cap,Cap\n,,7,7,7\n\
+                  ,,Position,Position,Position\nFrame,Time (Seconds),X,Y,Z\n0,0.00,1,3,-2\n1,0.01,1,3,-2\n";
+    let vicon = "Trajectories\n100\n,,Hat:Cap,,,Hat:Rim,,\nFrame,Sub Frame,X,Y,Z,X,Y,Z\n,,mm,mm,mm,mm,mm,mm\n\
+                 1,0,1000,2000,3000,,,\n2,0,1000,2000,3000,1,2,3\n";
+    for (text, names) in [(motive, &["Cap"][..]), (vicon, &["Hat:Cap", "Hat:Rim"])] {
+        let table = plainly(text);
+        let found: Vec<&str> = table
+            .bodies
+            .iter()
+            .flat_map(|of| of.name.as_deref())
+            .collect();
+        assert_eq!(found, names, "{text}");
+        for sample in &table.bodies[0].samples {
+            assert_eq!(sample.holds, Holds::Position, "{text}");
+            let off = sample.position_m - Vector3::new(1.0, 2.0, 3.0);
+            assert!(off.norm() < 1e-12, "{text}: {sample:?}");
+        }
+        assert_eq!(table.bodies[0].samples.len(), 2, "{text}");
+        assert!(
+            table.notes.iter().any(|of| of.contains("points are taken")),
+            "{text}"
+        );
+    }
 }
 
 #[test]
@@ -250,8 +280,8 @@ fn what_is_no_table_of_poses_is_said_with_its_line() {
         ("", "poses.csv: no row of numbers"),
         ("hello\nworld\n", "no row of numbers"),
         (
-            "t,x,y,z\n0,1,2,3\n",
-            "poses.csv:1: no columns for an orientation",
+            "t,x,y,z,qx,qy\n0,1,2,3,0,0\n",
+            "poses.csv:1: not all columns for an orientation",
         ),
         (
             "t,a,b,c,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n",

@@ -4,8 +4,10 @@ use super::layout::{AngleUnit, BodyColumns, Fault, Layout, Orientation, TimeColu
 use super::text::{Line, Lines, number};
 use super::units::{TimeUnit, length_unit};
 
-/// Sections of Vicon's files that have poses.
+/// Sections of Vicon's files that have poses,
 const SECTIONS: [&str; 2] = ["Objects", "Segments"];
+/// and that which has points.
+const POINTS: &str = "Trajectories";
 
 /// The layout that a vendor's head gives, and how many rows are before its own; `None` for other heads.
 pub(super) fn layout(lines: &Lines) -> Option<Result<(Layout, usize), Fault>> {
@@ -42,7 +44,14 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
         let at = first.cells.iter().position(|cell| cell == key)?;
         first.cells.get(at + 1).map(String::as_str)
     };
-    if let Some(turn) = said("Rotation Type").filter(|turn| *turn != "Quaternion") {
+    let head = &lines.head[1..];
+    let find = |is_it: &dyn Fn(&Line) -> bool| head.iter().position(is_it);
+    let row_of = |what: &str| find(&|line| line.cells.iter().any(|cell| cell == what));
+    let wanted = ["Rigid Body", "Marker"];
+    let kind = wanted.into_iter().find(|kind| row_of(kind).is_some());
+    let are_points = kind == Some("Marker");
+    let turn = said("Rotation Type").filter(|_| !are_points);
+    if let Some(turn) = turn.filter(|turn| *turn != "Quaternion") {
         return fault(
             first.number,
             format!(
@@ -50,15 +59,12 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
             ),
         );
     }
-    let head = &lines.head[1..];
-    let find = |is_it: &dyn Fn(&Line) -> bool| head.iter().position(is_it);
-    let kinds = find(&|line| line.cells.iter().any(|cell| cell == "Rigid Body"));
-    let parts = find(&|line| line.cells.iter().any(|cell| cell == "Rotation"));
-    let (Some(kinds), Some(parts)) = (kinds, parts) else {
+    let parts = row_of(if are_points { "Position" } else { "Rotation" });
+    let (Some(kind), Some(kinds), Some(parts)) = (kind, kind.and_then(row_of), parts) else {
         return fault(
             head.last().map_or(first.number, |line| line.number),
-            "no rigid bodies with rotations in this head of Motive, expected some: export it again with \
-             Rigid Bodies",
+            "no rigid bodies with rotations and no markers in this head of Motive, expected some: export it \
+             again with Rigid Bodies",
         );
     };
     let Some(axes) = head.get(parts + 1) else {
@@ -72,7 +78,7 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
     let mut others = 0;
     for column in 2..axes.cells.len() {
         let part = cell(&head[parts], column);
-        if cell(&head[kinds], column) != "Rigid Body" {
+        if cell(&head[kinds], column) != kind {
             others += usize::from(!part.is_empty());
             continue;
         }
@@ -98,18 +104,24 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
     }
     let columns = bodies.into_iter().map(|body| {
         let (name, all) = (body.name, (body.position, body.rotation));
-        let ([Some(x), Some(y), Some(z)], [Some(a), Some(b), Some(c), Some(d)]) = all else {
-            return fault(
-                axes.number,
-                format!(
-                    "{name:?} has not all of X, Y, Z, W of a rotation and X, Y, Z of a position"
-                ),
-            );
+        let (position, orientation) = match all {
+            ([Some(x), Some(y), Some(z)], [Some(a), Some(b), Some(c), Some(d)]) => {
+                ([x, y, z], Orientation::Quaternion([a, b, c, d]))
+            }
+            ([Some(x), Some(y), Some(z)], _) if are_points => ([x, y, z], Orientation::Unseen),
+            _ => {
+                return fault(
+                    axes.number,
+                    format!(
+                        "{name:?} has not all of X, Y, Z, W of a rotation and X, Y, Z of a position"
+                    ),
+                );
+            }
         };
         Ok(BodyColumns {
             name: Some(name),
-            position: [x, y, z],
-            orientation: Orientation::Quaternion([a, b, c, d]),
+            position,
+            orientation,
         })
     });
     let length = match said("Length Units") {
@@ -124,7 +136,7 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
             }
         },
     };
-    let mut notes = Vec::new();
+    let mut notes: Vec<String> = are_points.then(points_note).into_iter().collect();
     if said("Coordinate Space").is_some_and(|space| space != "Global") {
         notes.push(
             "Coordinate Space is not Global: poses may be relative to another body".to_owned(),
@@ -145,6 +157,10 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
     })
 }
 
+fn points_note() -> String {
+    "markers, no rigid bodies: points are taken, as a track with sees = \"point\" does".to_owned()
+}
+
 fn unread(others: usize) -> Vec<String> {
     if others == 0 {
         return Vec::new();
@@ -156,13 +172,15 @@ fn unread(others: usize) -> Vec<String> {
 fn vicon(lines: &Lines, is_axes: impl Fn(&Line) -> bool) -> Result<(Layout, usize), Fault> {
     let all: Vec<&Line> = lines.head.iter().chain(&lines.rows).collect();
     let is_section = |line: &&Line| SECTIONS.contains(&line.cells[0].as_str());
-    let Some(at) = all.iter().position(is_section) else {
+    let of_points = || all.iter().position(|line| line.cells[0] == POINTS);
+    let Some(at) = all.iter().position(is_section).or_else(of_points) else {
         return fault(
             all[0].number,
-            "no section Objects or Segments in this head of Vicon, expected one: export objects (Tracker) \
-             or segments (Nexus), not trajectories of markers alone",
+            "no section Objects, Segments or Trajectories in this head of Vicon, expected one: export \
+             objects (Tracker) or segments (Nexus)",
         );
     };
+    let are_points = all[at].cells[0] == POINTS;
     let [rate, names, axes, ref rest @ ..] = all[at + 1..] else {
         return fault(
             all[at].number,
@@ -198,7 +216,19 @@ fn vicon(lines: &Lines, is_axes: impl Fn(&Line) -> bool) -> Result<(Layout, usiz
             Some((subject, segment)) if subject == segment => segment.to_owned(),
             _ => name,
         };
-        let position = [find("TX"), find("TY"), find("TZ")];
+        let position = match are_points {
+            true => [find("X"), find("Y"), find("Z")],
+            false => [find("TX"), find("TY"), find("TZ")],
+        };
+        if let (true, [Some(x), Some(y), Some(z)]) = (are_points, position) {
+            length = length.or_else(|| length_unit(&unit(x)?));
+            bodies.push(BodyColumns {
+                name: Some(name),
+                position: [x, y, z],
+                orientation: Orientation::Unseen,
+            });
+            continue;
+        }
         let turn = [find("RX"), find("RY"), find("RZ")];
         let ([Some(x), Some(y), Some(z)], [Some(a), Some(b), Some(c)]) = (position, turn) else {
             return fault(
@@ -243,7 +273,7 @@ fn vicon(lines: &Lines, is_axes: impl Fn(&Line) -> bool) -> Result<(Layout, usiz
         preset: Some("vicon"),
         unread: Vec::new(),
         is_order_named: true,
-        notes: Vec::new(),
+        notes: are_points.then(points_note).into_iter().collect(),
         is_section: true,
     };
     Ok((layout, begin.saturating_sub(lines.head.len())))

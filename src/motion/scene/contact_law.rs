@@ -10,6 +10,10 @@ pub struct ContactLaw {
     pub restitution: f64,
     /// Coefficient of Coulomb friction, 0 or more.
     pub friction: f64,
+    /// Standard deviation of the restitution between occasions, as far as it is stated; zero where it is not.
+    pub restitution_sd: f64,
+    /// That of the friction.
+    pub friction_sd: f64,
 }
 
 impl ContactLaw {
@@ -19,6 +23,8 @@ impl ContactLaw {
             name: name.into(),
             restitution,
             friction: 0.0,
+            restitution_sd: 0.0,
+            friction_sd: 0.0,
         }
     }
 }

@@ -53,8 +53,8 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
     // The number of the block of parameters, then the key of the format.
     if matches!(bytes[..], [1..=31, 0x50, ..]) {
         bail!(
-            "{shown}: is C3D, positions of markers, expected poses of rigid bodies: export those as CSV \
-             with quaternions"
+            "{shown}: is C3D, positions of markers, expected a table: export poses of rigid bodies as CSV with \
+             quaternions, or a marker as CSV with t, x, y, z"
         );
     }
     if bytes.is_empty() {

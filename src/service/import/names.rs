@@ -4,8 +4,9 @@ use std::path::Path;
 
 use anyhow::{bail, ensure};
 
+use crate::ingest::is_pipe;
 use crate::ingest::table::{BodyPoses, PoseTable};
-use crate::motion::{Scene, Timing};
+use crate::motion::{Holds, Scene, Timing};
 
 /// A body of a file.
 pub(super) struct Named<'a> {
@@ -15,22 +16,26 @@ pub(super) struct Named<'a> {
     pub(super) body: &'a BodyPoses,
 }
 
-/// The name of a file without folder and ending.
+/// The name of a file without folder and ending, of stdin `stdin`.
 pub(super) fn name_of_file(file: &Path) -> String {
+    if is_pipe(file) {
+        return "stdin".to_owned();
+    }
     let stem = file.file_stem().unwrap_or_default();
     stem.to_string_lossy().into_owned()
 }
 
 /// A topic for each body: that which is given, that of the scene's body with its name or of its only one,
-/// else `/tracker/NAME/pose`.
+/// else `/tracker/NAME/pose`, of points `/tracker/NAME/point`.
 pub(super) fn topics(
-    names: &[&str],
+    named: &[(&str, Holds)],
     given: &[String],
     scene: Option<&Scene>,
 ) -> anyhow::Result<Vec<String>> {
     let mut in_order = given.iter().filter(|given| !given.contains('='));
+    let names: Vec<&str> = named.iter().map(|(name, _)| *name).collect();
     let mut topics: Vec<String> = Vec::new();
-    for name in names {
+    for (name, holds) in named {
         let by_name = given.iter().find_map(|given| {
             let (of, topic) = given.split_once('=')?;
             (of == *name).then(|| topic.to_owned())
@@ -38,7 +43,8 @@ pub(super) fn topics(
         let topic = match by_name.or_else(|| in_order.next().cloned()) {
             Some(topic) => topic,
             None => match scene {
-                Some(scene) => of_scene(name, names, scene)?,
+                Some(scene) => of_scene(name, &names, scene)?,
+                None if *holds == Holds::Position => format!("/tracker/{}/point", plain(name)),
                 None => format!("/tracker/{}/pose", plain(name)),
             },
         };
@@ -117,7 +123,12 @@ mod tests {
         let given = |given: &[&str]| -> Vec<String> {
             given.iter().map(|given| (*given).to_owned()).collect()
         };
-        let of = |names: &[&str], topics_given: &[&str]| topics(names, &given(topics_given), None);
+        let of = |names: &[&str], topics_given: &[&str]| {
+            let named: Vec<_> = names.iter().map(|name| (*name, Holds::Pose)).collect();
+            topics(&named, &given(topics_given), None)
+        };
+        let point = topics(&[("m", Holds::Position)], &[], None).unwrap();
+        assert_eq!(point, ["/tracker/m/point"]);
         assert_eq!(of(&["my cup"], &[]).unwrap(), ["/tracker/my_cup/pose"]);
         assert_eq!(of(&["a", "b"], &["b=/b", "/a"]).unwrap(), ["/a", "/b"]);
         assert_eq!(of(&["a"], &["/x"]).unwrap(), ["/x"]);

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 
 use super::names::Named;
 use crate::ingest::table::PRESETS;
-use crate::motion::{Fall, LengthUnit, PoseSample, falls};
+use crate::motion::{Fall, Holds, LengthUnit, PoseSample, falls};
 
 /// Gravity \[m/s²\]; what is near it by [`NEAR`] counts.
 const GRAVITY_M_S2: f64 = 9.81;
@@ -54,7 +54,9 @@ pub(super) fn told(named: &Named, samples: &[&PoseSample]) -> Told {
     let mut told = Told::default();
     let name = &named.name;
     rate(name, samples, &mut told);
-    norms(name, samples, &mut told);
+    if samples.iter().any(|sample| sample.holds == Holds::Pose) {
+        norms(name, samples, &mut told);
+    }
     let first = samples.first().map(|sample| sample.stamp);
     let mut times_s: Vec<f64> = Vec::new();
     let mut points: Vec<Vector3<f64>> = Vec::new();

@@ -14,7 +14,9 @@ mod skip;
 use self::skip::skip;
 use super::*;
 use crate::motion::fixture::{FIRST_NS, SCENE_TOML, counts, estimate, scene, sketch};
-use crate::motion::{Against, LinkIndex, Mark, Penetration, Settled, TrackIndex, Verification};
+use crate::motion::{
+    Against, LinkIndex, LinkSpread, Mark, Penetration, Settled, Spread, TrackIndex, Verification,
+};
 use crate::sampling::SamplingError;
 use crate::settle::settle;
 use crate::verify::verify;
@@ -259,7 +261,15 @@ fn the_performance_is_restamped_and_frames_have_names_of_their_own() {
 fn the_report_says_everything_and_obeys_its_schema() {
     let directory = tempfile::tempdir().expect("directory");
     let input = recording(&directory);
-    let (_, mut verification, settled) = checked_and_settled(&input, "clear.mcap");
+    let (_, mut verification, mut settled) = checked_and_settled(&input, "clear.mcap");
+    let ends = settled.links[LinkIndex(0)].poses.clone();
+    let up = vec!["+z".to_owned(); ends.len()];
+    settled.spread = LinkSpread::new(LinkIndex(0), &ends, &up).map(|of| Spread {
+        draws: ends.len(),
+        at_rest: 1,
+        links: vec![of],
+    });
+    assert!(settled.spread.is_some());
     // The motion is clear; with an overlap every field is there.
     assert_eq!(verification.touches.len(), 1);
     verification.deepest = Some(Penetration {
