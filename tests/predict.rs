@@ -190,11 +190,13 @@ fn a_prediction_is_as_uncertain_as_the_material() {
     );
     assert_eq!(said["bodies"][0]["up"][0]["up"], "face +z", "{said}");
     assert_eq!(said["bodies"][0]["up"][0]["share"], 1.0, "{said}");
+    assert_eq!(said["exact"], serde_json::json!(["brick"]), "{said}");
     let slides_m = rests_at(&folder.path().join("exact.predicted.mcap"));
     assert!((middle_m - slides_m).norm() < 0.01, "{middle_m} {slides_m}");
     // The way is v²/(2 μ g): a tenth of the friction is a tenth of it, and 1.64 of that cover nine in ten.
     let scattered = format!("{own}\nfriction_sd = 0.02");
-    let (_, radius_m, _) = spread(folder.path(), "scattered.mcap", &scattered);
+    let (_, radius_m, said) = spread(folder.path(), "scattered.mcap", &scattered);
+    assert_eq!(said["exact"], serde_json::json!([]), "{said}");
     let expected_m = 1.64 * 0.1 * slides_m.x;
     assert!(
         (0.6 * expected_m..1.6 * expected_m).contains(&radius_m),
@@ -221,6 +223,8 @@ fn a_prediction_says_how_far_it_may_be_off() {
         text.contains("spread    brick: 90 % within ") && text.contains("up: face +z 100 %"),
         "{text}"
     );
+    // Nothing is stated of how well the material is known.
+    assert!(text.contains("material of brick taken as exact"), "{text}");
 }
 
 #[test]

@@ -17,6 +17,8 @@ pub struct Spread {
     pub draws: usize,
     /// Number of them in which all came to rest.
     pub at_rest: usize,
+    /// Names of materials of which the scene states no deviation: all draws have the same.
+    pub exact: Vec<String>,
     /// Of each link that moves.
     pub links: Vec<LinkSpread>,
 }

@@ -64,9 +64,12 @@ pub(super) fn spread(
         LinkSpread::new(index, ends, &named).filter(|_| link.held.is_none())
     });
     let links: Vec<LinkSpread> = links.collect();
+    let is_of_link = |law: &&ContactLaw| scene.links.iter().any(|link| link.name == law.name);
+    let exact = laws.iter().filter(|law| law.is_exact()).filter(is_of_link);
     (!links.is_empty()).then_some(Spread {
         draws,
         at_rest,
+        exact: exact.map(|law| law.name.clone()).collect(),
         links,
     })
 }

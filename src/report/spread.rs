@@ -11,6 +11,9 @@ pub struct SpreadLine {
     pub draws: usize,
     /// Number of them in which all came to rest.
     pub at_rest: usize,
+    /// Bodies whose material is the same in all, for the scene states no deviation of it: the distances then leave out most of what
+    /// a prediction may be off.
+    pub exact: Vec<String>,
     /// Where the bodies lie at the end.
     pub bodies: Vec<BodySpreadLine>,
 }
@@ -50,6 +53,7 @@ impl SpreadLine {
         Self {
             draws: spread.draws,
             at_rest: spread.at_rest,
+            exact: spread.exact.clone(),
             bodies: bodies.map(|of| BodySpreadLine::new(scene, of)).collect(),
         }
     }

@@ -114,6 +114,15 @@ fn spread_text(spread: &SpreadLine) -> String {
         &mut text,
         format!("            of {} predictions{moving}", spread.draws),
     );
+    if !spread.exact.is_empty() {
+        push_line(
+            &mut text,
+            format!(
+                "            material of {} taken as exact: most of what it may be off is left out (friction_sd, restitution_sd)",
+                spread.exact.join(", ")
+            ),
+        );
+    }
     text
 }
 

@@ -17,6 +17,11 @@ pub struct ContactLaw {
 }
 
 impl ContactLaw {
+    /// Whether no deviation is stated: it is the same on all occasions.
+    pub fn is_exact(&self) -> bool {
+        self.restitution_sd == 0.0 && self.friction_sd == 0.0
+    }
+
     /// A law with restitution only.
     pub fn frictionless(name: impl Into<String>, restitution: f64) -> Self {
         Self {

@@ -267,6 +267,7 @@ fn the_report_says_everything_and_obeys_its_schema() {
     settled.spread = LinkSpread::new(LinkIndex(0), &ends, &up).map(|of| Spread {
         draws: ends.len(),
         at_rest: 1,
+        exact: vec!["pencil".to_owned()],
         links: vec![of],
     });
     assert!(settled.spread.is_some());
