@@ -356,6 +356,7 @@ fn a_box_has_the_sides_and_the_mass_that_are_said() {
     ];
     stdout(folder.path(), &arguments, 0);
     let text = fs::read_to_string(folder.path().join("low.toml")).expect("a scene");
+    assert!(text.contains("position_mm = [0, 0, 10]"), "{text}");
     let scene = scene_from_toml(&text).expect("it is read");
     let radius_m = scene.links.iter().next().expect("a body").radius_m();
     let half_m = nalgebra::Vector3::<f64>::new(0.02, 0.015, 0.01).norm();

@@ -296,17 +296,12 @@ fn of_preset(
     size_mm: Option<[f64; 3]>,
 ) -> Result<BodyText, NewSceneError> {
     let mut body = preset.body.to_owned();
-    if let Some([x, y, z]) = size_mm {
-        let usual = preset.sides().ok_or_else(|| without_sides(preset.name))?;
+    if let Some(size_mm) = size_mm {
+        let sized = preset.sized(size_mm);
+        body = sized.ok_or_else(|| without_sides(preset.name))?;
         if mass_g.is_none() && preset.mass.starts_with("mass_g") {
             return Err(NewSceneError::SizeWithoutMass);
         }
-        body = body.replace(usual, &format!("size_mm = [{x}, {y}, {z}]"));
-        // Its origin stays in the middle of its bottom, if it is there.
-        body = body.replace(
-            "position_mm = [0, 0, 50]",
-            &format!("position_mm = [0, 0, {}]", 0.5 * z),
-        );
     }
     let mass = match mass_g {
         Some(mass_g) => format!("mass_g = {mass_g}\n"),
@@ -319,7 +314,7 @@ fn of_preset(
 }
 
 fn without_sides(name: &str) -> NewSceneError {
-    let with = PRESETS.iter().filter(|of| of.sides().is_some());
+    let with = PRESETS.iter().filter(|of| of.has_sides());
     let names: Vec<&str> = with.map(|of| of.name).collect();
     NewSceneError::Size {
         name: name.to_owned(),

@@ -24,9 +24,25 @@ pub struct Preset {
     pub(super) feature: Option<&'static str>,
 }
 
+/// Where the middle of a box is whose origin is in the middle of its bottom, as long as the box has its usual sides.
+const ABOVE_ORIGIN: &str = "position_mm = [0, 0, 50]";
+
 impl Preset {
+    /// Whether it is one box, which may have other sides.
+    pub(super) fn has_sides(&self) -> bool {
+        self.sides().is_some()
+    }
+
+    /// Its keys with other sides \[mm\]; an origin in the middle of its bottom stays there. `None` where it is no box.
+    pub(super) fn sized(&self, [x, y, z]: [f64; 3]) -> Option<String> {
+        let sides = format!("size_mm = [{x}, {y}, {z}]");
+        let above = format!("position_mm = [0, 0, {}]", 0.5 * z);
+        let body = self.body.replace(self.sides()?, &sides);
+        Some(body.replace(ABOVE_ORIGIN, &above))
+    }
+
     /// The key of its sides, where it is one box.
-    pub(super) fn sides(&self) -> Option<&'static str> {
+    fn sides(&self) -> Option<&'static str> {
         let from = self.body.find("size_mm = [")?;
         let sides = &self.body[from..];
         Some(&sides[..=sides.find(']')?]).filter(|_| self.parts.is_empty())

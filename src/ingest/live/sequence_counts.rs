@@ -280,18 +280,12 @@ impl Session {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wire::live::NO_TIME;
 
     fn record(session: u32, sequence: u64) -> PoseRecord {
         PoseRecord {
-            sequence,
-            available_ns: 0,
-            sample_ns: NO_TIME,
-            device_ns: NO_TIME,
             position_m: [sequence as f64, f64::from(session), 0.0],
-            quaternion_xyzw: [0.0, 0.0, 0.0, 1.0],
-            flags: 1,
             session,
+            ..PoseRecord::numbered(sequence)
         }
     }
 

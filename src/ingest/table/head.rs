@@ -3,6 +3,7 @@
 use super::columns::{Meaning, meaning};
 use super::layout::{
     AngleUnit, BodyColumns, Fault, Layout, Orientation, QuaternionOrder, TimeColumns, fault,
+    points_are_taken,
 };
 use super::text::{Line, Lines, number};
 use super::units::TimeUnit;
@@ -100,10 +101,7 @@ pub(super) fn layout(
         };
         Orientation::Angles([x, y, z], unit)
     } else if !meanings.iter().any(is_of_orientation) {
-        notes.push(
-            "no columns for an orientation: points are taken, as a track with sees = \"point\" does"
-                .to_owned(),
-        );
+        notes.push(points_are_taken("no columns for an orientation"));
         Orientation::Unseen
     } else {
         return fault(

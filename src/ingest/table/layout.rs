@@ -64,6 +64,11 @@ pub(super) enum Orientation {
     Unseen,
 }
 
+/// The note that points are taken, and why.
+pub(super) fn points_are_taken(why: &str) -> String {
+    format!("{why}: points are taken, as a track with sees = \"point\" does")
+}
+
 impl Orientation {
     /// The order in which the columns of a quaternion stand, in words.
     pub(super) fn order(&self) -> Option<String> {

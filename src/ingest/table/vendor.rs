@@ -1,6 +1,8 @@
 //! Heads of tables by OptiTrack's Motive and by Vicon's Tracker and Nexus.
 
-use super::layout::{AngleUnit, BodyColumns, Fault, Layout, Orientation, TimeColumns, fault};
+use super::layout::{
+    AngleUnit, BodyColumns, Fault, Layout, Orientation, TimeColumns, fault, points_are_taken,
+};
 use super::text::{Line, Lines, number};
 use super::units::{TimeUnit, length_unit};
 
@@ -158,7 +160,7 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
 }
 
 fn points_note() -> String {
-    "markers, no rigid bodies: points are taken, as a track with sees = \"point\" does".to_owned()
+    points_are_taken("markers, no rigid bodies")
 }
 
 fn unread(others: usize) -> Vec<String> {

@@ -131,7 +131,7 @@ fn poll(listening: &Listening) -> (Vec<Arrival>, Result<(), LiveError>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ingest::live::{NO_TIME, PoseRecord};
+    use crate::ingest::live::PoseRecord;
 
     #[test]
     fn what_came_at_once_is_handed_on_in_order_and_in_bounded_batches() {
@@ -139,16 +139,7 @@ mod tests {
             at: Instant::now(),
             what: Arrived::Pose {
                 stream: 0,
-                record: PoseRecord {
-                    sequence,
-                    available_ns: 0,
-                    sample_ns: NO_TIME,
-                    device_ns: NO_TIME,
-                    position_m: [0.0; 3],
-                    quaternion_xyzw: [0.0, 0.0, 0.0, 1.0],
-                    flags: 1,
-                    session: 1,
-                },
+                record: PoseRecord::numbered(sequence),
                 is_overflow: false,
             },
         };

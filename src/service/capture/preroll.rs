@@ -95,19 +95,9 @@ mod tests {
     }
 
     fn pose(at: Instant, sequence: u64) -> Arrival {
-        let record = PoseRecord {
-            sequence,
-            available_ns: 0,
-            sample_ns: NO_TIME,
-            device_ns: NO_TIME,
-            position_m: [0.0; 3],
-            quaternion_xyzw: [0.0, 0.0, 0.0, 1.0],
-            flags: 1,
-            session: 7,
-        };
         let what = Arrived::Pose {
             stream: 1,
-            record,
+            record: PoseRecord::numbered(sequence),
             is_overflow: false,
         };
         Arrival { at, what }

@@ -177,18 +177,11 @@ impl Pulse {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ingest::live::NO_TIME;
 
     fn record(is_valid: bool) -> PoseRecord {
         PoseRecord {
-            sequence: 0,
-            available_ns: 0,
-            sample_ns: NO_TIME,
-            device_ns: NO_TIME,
-            position_m: [0.0; 3],
-            quaternion_xyzw: [0.0, 0.0, 0.0, 1.0],
             flags: u32::from(is_valid),
-            session: 0,
+            ..PoseRecord::numbered(0)
         }
     }
 

@@ -444,6 +444,23 @@ pub fn time(time_ns: i64) -> Option<i64> {
 }
 
 #[cfg(test)]
+impl PoseRecord {
+    /// A valid reading at the origin with that number, of publisher 1, whose times nobody says: for tests.
+    pub(crate) fn numbered(sequence: u64) -> Self {
+        Self {
+            sequence,
+            available_ns: 0,
+            sample_ns: NO_TIME,
+            device_ns: NO_TIME,
+            position_m: [0.0; 3],
+            quaternion_xyzw: [0.0, 0.0, 0.0, 1.0],
+            flags: VALID,
+            session: 1,
+        }
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
 

@@ -11,7 +11,7 @@ use super::super::notice;
 use super::super::presence::Presence;
 use super::*;
 use crate::config::capture_from_toml;
-use crate::ingest::live::{NO_TIME, PoseRecord, stream_topics};
+use crate::ingest::live::{PoseRecord, stream_topics};
 
 /// A recorder for that folder, with what it hands on to be synced.
 fn recorder(folder: &Path) -> (Recorder, Receiver<File>) {
@@ -47,17 +47,8 @@ fn a_recorder_that_is_behind_says_so_and_calls_nobody_silent() {
     let mut state = RecorderState::new(&recorder);
     let begun = state.listened;
     for k in 0..100_u64 {
-        let record = PoseRecord {
-            sequence: k,
-            available_ns: 0,
-            sample_ns: NO_TIME,
-            device_ns: NO_TIME,
-            position_m: [0.0; 3],
-            quaternion_xyzw: [0.0, 0.0, 0.0, 1.0],
-            flags: 1,
-            session: 1,
-        };
-        state.pulses[0].sample(begun + Duration::from_millis(10 * k), &record);
+        let at = begun + Duration::from_millis(10 * k);
+        state.pulses[0].sample(at, &PoseRecord::numbered(k));
     }
     let mut look = |behind_ms: u64| {
         state.behind = Duration::from_millis(behind_ms);
