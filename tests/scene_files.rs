@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
 use boon::{Compiler, SchemaIndex, Schemas};
-use enact::config::{MATERIALS, PRESETS, scene_from_toml};
+use enact::config::{Coefficient, MATERIALS, PRESETS, scene_from_toml};
 use enact::motion::LinkIndex;
 use serde_json::{Value, json};
 
@@ -250,14 +250,15 @@ fn every_object_becomes_a_scene_that_is_checked() {
     }
 }
 
-/// Every material makes a scene that bounces in the middle of what its rule allows, free within it, and says the rule.
+/// Every material makes a scene that bounces or rubs in the middle of what its source says, and names it: how it bounces is free
+/// within that, how it rubs has its deviation.
 #[test]
-fn materials_bounce_as_their_rules_say() {
+fn materials_are_as_their_sources_say() {
     let (folder, schema) = (folder(), Schema::of_program());
     let listed = stdout(folder.path(), &["scene", "materials"], 0);
     let docs = fs::read_to_string(root().join("docs/scene_shapes.md")).expect("the page");
     for material in MATERIALS {
-        let [least, most] = material.restitution();
+        let (of, [least, most]) = material.states();
         assert!(listed.contains(material.name) && listed.contains(material.source));
         let row = docs
             .lines()
@@ -284,11 +285,17 @@ fn materials_bounce_as_their_rules_say() {
             text.contains(material.source) && schema.accepts(&text).is_ok(),
             "{text}"
         );
-        assert_eq!(text.matches("restitution = ").count(), 1, "{text}");
+        for key in ["\nrestitution = ", "\nfriction = "] {
+            assert_eq!(text.matches(key).count(), 1, "{text}");
+        }
         let scene = scene_from_toml(&text).expect("a scene");
         let middle = (least + most) / 2.0;
         for law in &scene.contact_laws {
-            assert!((law.restitution - middle).abs() <= 5.01e-4, "{law:?}");
+            let stated = match of {
+                Coefficient::Restitution => law.restitution,
+                Coefficient::Friction => law.friction,
+            };
+            assert!((stated - middle).abs() <= 5.01e-4, "{law:?}");
         }
         assert!(!scene.contact_laws.is_empty());
         let bounds: Vec<[f64; 2]> = scene
@@ -296,10 +303,12 @@ fn materials_bounce_as_their_rules_say() {
             .iter()
             .map(|of| [of.lower, of.upper])
             .collect();
-        match least < most {
+        let bounces = of == Coefficient::Restitution;
+        match bounces && least < most {
             true => assert_eq!(bounds, [[least, most]]),
             false => assert!(bounds.is_empty()),
         }
+        assert_eq!(text.contains("\nfriction_sd = 0."), !bounces, "{text}");
     }
     let output = enact(folder.path())
         .args([

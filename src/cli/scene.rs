@@ -31,9 +31,10 @@ pub(super) fn run(command: SceneCommand) -> anyhow::Result<Exit> {
         }
         SceneCommand::Materials => {
             let lines = MATERIALS.iter().map(|of| {
-                let [least, most] = of.restitution();
+                let (coefficient, [least, most]) = of.states();
                 let (name, what, source) = (of.name, of.what, of.source);
-                format!("{name}  {what}\n  restitution {least} to {most}\n  {source}\n")
+                let key = coefficient.key();
+                format!("{name}  {what}\n  {key} {least} to {most}\n  {source}\n")
             });
             output::print(&lines.collect::<String>())?;
             Ok(Exit::Done)

@@ -1,5 +1,5 @@
 //! How bodies bounce on surfaces, by the rules of sports: heights and ratios of speeds that they state, with how far
-//! they let balls differ. None states friction.
+//! they let balls differ; and how surfaces rub, by a table of friction. None states both.
 
 use super::keys::nearest;
 
@@ -10,7 +10,13 @@ enum Stated {
     Rebound { drop_m: f64, rebound_m: [f64; 2] },
     /// Speed after over speed before, between these.
     Ratio([f64; 2]),
+    /// Friction: kinetic and static. An impact slides at first; where it sticks, more is not needed.
+    Friction([f64; 2]),
 }
+
+/// Of a table that is no standard, and states no conditions.
+const FRICTION_TABLE: &str = "S. A. Hill, How and Why, chapter Motion, table Coefficients of Friction: kinetic to static, a textbook's \
+                              round values; surfaces differ";
 
 /// A body on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +93,58 @@ pub const MATERIALS: &[Material] = &[
                  0.514 to 0.578 of that; slower ones come back at more",
         stated: Stated::Ratio([0.514, 0.578]),
     },
+    Material {
+        name: "wood-on-wood",
+        what: "wood on wood",
+        source: FRICTION_TABLE,
+        stated: Stated::Friction([0.3, 0.5]),
+    },
+    Material {
+        name: "metal-on-wood",
+        what: "metal on wood",
+        source: FRICTION_TABLE,
+        stated: Stated::Friction([0.3, 0.5]),
+    },
+    Material {
+        name: "steel-on-steel",
+        what: "dry steel on steel",
+        source: FRICTION_TABLE,
+        stated: Stated::Friction([0.3, 0.6]),
+    },
+    Material {
+        name: "rubber-on-concrete",
+        what: "rubber on dry concrete",
+        source: FRICTION_TABLE,
+        stated: Stated::Friction([0.7, 1.0]),
+    },
 ];
+
+/// What a material says something of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coefficient {
+    /// Of restitution.
+    Restitution,
+    /// Of friction.
+    Friction,
+}
+
+impl Coefficient {
+    /// Its key in a scene.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Restitution => "restitution",
+            Self::Friction => "friction",
+        }
+    }
+
+    /// The other one.
+    pub const fn other(self) -> Self {
+        match self {
+            Self::Restitution => Self::Friction,
+            Self::Friction => Self::Restitution,
+        }
+    }
+}
 
 impl Material {
     /// The one of a name; otherwise in words what was expected.
@@ -103,13 +160,17 @@ impl Material {
         })
     }
 
-    /// Least and greatest coefficient of restitution, to a thousandth: the square root of a ratio of heights.
-    pub fn restitution(&self) -> [f64; 2] {
-        let [least, most] = match self.stated {
-            Stated::Ratio(ratio) => ratio,
-            Stated::Rebound { drop_m, rebound_m } => rebound_m.map(|of| (of / drop_m).sqrt()),
+    /// What it says something of, with the least and the greatest to a thousandth: of heights the square root of their ratio.
+    pub fn states(&self) -> (Coefficient, [f64; 2]) {
+        let (of, between) = match self.stated {
+            Stated::Ratio(ratio) => (Coefficient::Restitution, ratio),
+            Stated::Rebound { drop_m, rebound_m } => {
+                let ratio = rebound_m.map(|of| (of / drop_m).sqrt());
+                (Coefficient::Restitution, ratio)
+            }
+            Stated::Friction(between) => (Coefficient::Friction, between),
         };
-        [least, most].map(|of| (of * 1e3).round() / 1e3)
+        (of, between.map(|of| (of * 1e3).round() / 1e3))
     }
 }
 
@@ -127,10 +188,12 @@ mod tests {
             ("basketball", 0.727, 0.803),
             ("baseball", 0.514, 0.578),
         ] {
-            let found = Material::named(name).expect("a material").restitution();
-            assert_eq!(found, [least, most], "{name}");
+            let found = Material::named(name).expect("a material").states();
+            let expected = (Coefficient::Restitution, [least, most]);
+            assert_eq!(found, expected, "{name}");
         }
-        assert_eq!(MATERIALS.len(), 6);
+        let mut others = MATERIALS[6..].iter().map(Material::states);
+        assert!(others.all(|(of, [least, most])| of == Coefficient::Friction && least < most));
         let said = Material::named("tennis_ball").expect_err("none");
         assert!(said.starts_with("did you mean tennis-ball?"), "{said}");
     }

@@ -187,7 +187,7 @@ pub use capture::CaptureSettings;
 pub use check::{BodyCheck, EventCheck, SceneCheck, TopicCheck, check_scene};
 pub use error::SceneError;
 pub use keyframes::{sketch_from_csv, sketch_from_toml};
-pub use material::{MATERIALS, Material};
+pub use material::{Coefficient, MATERIALS, Material};
 pub use mesh::{MeshError, MeshFormat};
 pub use new::{MadeScene, NewObject, NewScene, NewSceneError, new_scene};
 pub use preset::{PRESETS, Preset};

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::error::SceneError;
 use super::keys::nearest;
-use super::material::Material;
+use super::material::{Coefficient, Material};
 use super::mesh::{MeshError, MeshFormat, mesh};
 use super::preset::{PRESETS, Preset, preset};
 use super::text::scene_from_toml;
@@ -27,7 +27,7 @@ pub struct NewScene {
     pub mass_g: Option<f64>,
     /// Its sides along x, y and z \[mm\], if they are others than those of the preset, which is a box then.
     pub size_mm: Option<[f64; 3]>,
-    /// How it bounces, by the name of a [`Material`]; by default as is usual for it, roughly.
+    /// How it bounces or rubs, by the name of a [`Material`]; by default as is usual for it, roughly.
     pub material: Option<String>,
     /// Where the tracker is on it \[mm\], in its frame.
     pub tracker_mm: Option<[f64; 3]>,
@@ -174,14 +174,19 @@ pub fn new_scene(of: &NewScene) -> Result<MadeScene, NewSceneError> {
             (name.clone(), title, body, None)
         }
     };
-    if let (NewObject::Mesh { .. }, None) = (&of.object, material) {
+    let stated = material.map(|of| (of, of.states()));
+    let bounces_as = stated.filter(|(_, (of, _))| *of == Coefficient::Restitution);
+    if let (NewObject::Mesh { .. }, None) = (&of.object, bounces_as) {
         notes.push("the restitution is a guess: set it, or free it by [[free]]".into());
     }
-    if let Some(material) = material {
-        body.bounces_as(material);
+    if let Some((material, (of, _))) = stated {
+        body.is_of(material);
         notes.push(format!(
-            "restitution of {}, by {}; friction is not said there and stays as it was",
-            material.what, material.source
+            "{} of {}, by {}; {} is not said there and stays as it was",
+            of.key(),
+            material.what,
+            material.source,
+            of.other().key()
         ));
     }
     let mut toml = String::new();
@@ -230,7 +235,7 @@ pub fn new_scene(of: &NewScene) -> Result<MadeScene, NewSceneError> {
             }
         }
     }
-    if let Some([lower, upper]) = material.map(Material::restitution).filter(|[a, b]| a < b) {
+    if let Some((_, (_, [lower, upper]))) = bounces_as.filter(|(_, (_, [a, b]))| a < b) {
         let quantity = toml::Value::from(format!("{name}.restitution"));
         let _ = write!(
             toml,
@@ -273,19 +278,31 @@ struct BodyText {
 }
 
 impl BodyText {
-    /// Its coefficient of restitution in the middle of those of a material.
-    fn bounces_as(&mut self, material: &Material) {
-        let [least, most] = material.restitution();
-        let middle = ((least + most) * 500.0).round() / 1e3;
-        let lines = self.keys.lines();
-        let others = lines
-            .filter(|line| !line.starts_with("restitution") && !line.contains("restitution on"));
-        let mut keys: String = others.map(|line| format!("{line}\n")).collect();
+    /// Takes the coefficient of a material, in the middle of what is stated; of friction with the standard deviation of a value
+    /// that is as likely anywhere between.
+    fn is_of(&mut self, material: &Material) {
+        let (of, [least, most]) = material.states();
+        let (key, middle) = (of.key(), ((least + most) * 500.0).round() / 1e3);
+        let stays = |line: &&str| {
+            let is_told =
+                line.starts_with(&format!("{key} =")) || line.starts_with(&format!("# {key}"));
+            !(is_told || line.contains(&format!("{key} on")))
+        };
+        let mut keys: String = self
+            .keys
+            .lines()
+            .filter(stays)
+            .map(|line| format!("{line}\n"))
+            .collect();
         let _ = write!(
             keys,
-            "# {}: {}.\nrestitution = {middle}\n",
+            "# {}: {}.\n{key} = {middle}\n",
             material.what, material.source
         );
+        if of == Coefficient::Friction {
+            let sd = ((most - least) / 12.0_f64.sqrt() * 1e3).round() / 1e3;
+            let _ = writeln!(keys, "friction_sd = {sd}");
+        }
         self.keys = keys;
     }
 }

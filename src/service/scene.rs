@@ -26,7 +26,7 @@ pub struct NewSceneJob {
     pub mass_g: Option<f64>,
     /// Sides of a preset that is a box \[mm\], if they are others.
     pub size_mm: Option<[f64; 3]>,
-    /// How it bounces, by the name of a material.
+    /// How it bounces or rubs, by the name of a material.
     pub material: Option<String>,
     /// Where the tracker is on it \[mm\].
     pub tracker_mm: Option<[f64; 3]>,

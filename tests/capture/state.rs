@@ -149,7 +149,7 @@ fn a_hole_across_the_start_of_a_take_is_counted() {
         "{counts}"
     );
     assert_eq!(missing, Some(5000 - 100 - 2048), "{counts}");
-    daemon.end();
+    daemon.end_with(3);
 }
 
 #[test]

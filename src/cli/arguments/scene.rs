@@ -46,7 +46,7 @@ pub(in crate::cli) struct NewSceneArguments {
     /// Take the convex hull of a mesh, as where its surface is not closed
     #[arg(long)]
     pub(in crate::cli) hull: bool,
-    /// How it bounces, by the name of one of `scene materials` [default: roughly, as is usual for the object]
+    /// How it bounces or rubs, by the name of one of `scene materials` [default: roughly, as is usual for the object]
     #[arg(long, value_name = "NAME")]
     pub(in crate::cli) material: Option<String>,
     /// Sides of a box, die, book or phone in millimetres along its axes [default: those of the object]

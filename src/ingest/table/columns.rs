@@ -91,6 +91,7 @@ pub(super) fn meaning(name: &str) -> Option<Meaning> {
         "name",
         "tracker",
         "device",
+        "marker",
         "rigid body",
         "child frame id",
     ]
@@ -205,6 +206,7 @@ mod tests {
             ),
             ("child_frame_id", Some(Meaning::Body)),
             ("rigid body", Some(Meaning::Body)),
+            ("marker", Some(Meaning::Body)),
             ("v_RS_R_x [m s^-1]", None),
             ("b_w_RS_S_x [rad s^-1]", None),
             ("field.header.frame_id", None),

@@ -226,19 +226,13 @@ pub struct Status {
 }
 
 impl CaptureEvent {
-    /// False if it reports lost data or a motion that something speaks against.
-    pub fn is_whole(&self) -> bool {
-        match self {
-            CaptureEvent::Broken { .. } | CaptureEvent::NotEstimated { .. } => false,
-            CaptureEvent::Closed { counts, .. } => !counts.is_lossy(),
-            CaptureEvent::Estimated { report, .. } => report.estimate.is_good(),
-            _ => true,
-        }
-    }
-
-    /// True if it reports that samples that came are not in a file as they should be.
+    /// True if it reports that samples or marks that were sent are not in a file as they should be.
     pub fn is_loss(&self) -> bool {
-        matches!(self, CaptureEvent::Broken { .. })
+        match self {
+            CaptureEvent::Broken { .. } => true,
+            CaptureEvent::Closed { counts, .. } => counts.is_lossy(),
+            _ => false,
+        }
     }
 
     /// The event as JSON for `enact/answer`; of an estimate it has what a director needs.

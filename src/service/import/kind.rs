@@ -54,7 +54,7 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
     if matches!(bytes[..], [1..=31, 0x50, ..]) {
         bail!(
             "{shown}: is C3D, positions of markers, expected a table: export poses of rigid bodies as CSV with \
-             quaternions, or a marker as CSV with t, x, y, z"
+             quaternions, or markers as CSV with marker, t, x, y, z (docs/import.md has lines that do it)"
         );
     }
     if bytes.is_empty() {
