@@ -61,7 +61,7 @@ pub fn export(job: &ExportJob) -> anyhow::Result<Exported> {
         warnings: warnings(job, scene, motion, &bodies),
     };
     let files = files(job, &read, &bodies, &provenance)?;
-    write(job, files, &mut exported)?;
+    write(job, files, &provenance, &mut exported)?;
     Ok(exported)
 }
 

@@ -101,7 +101,10 @@ fn joints_of_a_bvh_are_where_the_poses_are_with_y_up() {
             }
             assert!(seen > 15, "{name}: {seen}");
         }
+        let origin = std::fs::read_to_string(made.folder.path().join("x.bvh.provenance.txt"));
         let estimate = made.estimate.to_str().expect("UTF-8");
+        let name = made.estimate.file_name().and_then(|of| of.to_str());
+        assert!(origin.expect("a text").contains(name.expect("a name")));
         let ran = enact(&["export", estimate, "--to", "bvh", "--ghost", "-o", "-"]);
         assert_eq!(ran.status.code(), Some(1));
         assert!(String::from_utf8_lossy(&ran.stderr).contains("expected glb, csv or tum"));

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Eight trackers at 1 kHz on the daemon: what it received, how late, in how much memory.
 #
-#     tools/live/soak.sh [SECONDS] [TAKES]
+#     tools/live/soak.sh [SECONDS] [TAKES] [CHUNK_MS]
 #
 # Prints the daemon's memory and processor time and the machine's load on the way, the counts of every
 # take, and at the end the daemon's metrics. Viewers look on if `../check_live.sh` has installed their
@@ -9,6 +9,7 @@
 set -eu
 seconds=${1:-600}
 takes=${2:-1}
+chunk_ms=${3:-100}
 cd "$(dirname "$0")/../.."
 root=$PWD
 cargo build -q --release --workspace --bin enact --bin tracker
@@ -18,7 +19,7 @@ cp "${CARGO_TARGET_DIR:-target}/release/enact" "${CARGO_TARGET_DIR:-target}/rele
 cd "$made"
 printf '[global]\nroot-path = "%s/iceoryx2/"\nprefix = "enact_soak_%s_"\n' "$made" $$ >iceoryx2.toml
 {
-    printf 'name = "eight trackers"\n[timing]\nstamps = "physical"\n'
+    printf 'name = "eight trackers"\n[timing]\nstamps = "physical"\n[capture]\nchunk_ms = %s\n' "$chunk_ms"
     for k in 1 2 3 4 5 6 7 8; do
         printf '[[body]]\nname = "t%s"\nshape = { kind = "sphere", radius_mm = 20 }\nmass_g = 50\n' $k
     done

@@ -57,10 +57,11 @@ pub(super) fn files(
     Ok(files)
 }
 
-/// Writes them.
+/// Writes them; beside a BVH, which has no place for it, a text that says from what it was made.
 pub(super) fn write(
     job: &ExportJob,
     files: Vec<(String, Vec<u8>)>,
+    provenance: &ExportProvenance,
     exported: &mut Exported,
 ) -> anyhow::Result<()> {
     let output = match &job.output {
@@ -71,10 +72,14 @@ pub(super) fn write(
     if is_pipe(&output) && count > 1 {
         bail!("{count} trajectories, expected -o FILE: one stream holds one");
     }
-    let named: Vec<(PathBuf, Vec<u8>)> = files
+    let mut named: Vec<(PathBuf, Vec<u8>)> = files
         .into_iter()
         .map(|(addition, bytes)| (with_addition(&output, &addition), bytes))
         .collect();
+    if job.format == ExportFormat::Bvh && !is_pipe(&output) {
+        let text = provenance.lines().join("\n") + "\n";
+        named.push((with_origin(&output), text.into_bytes()));
+    }
     for (index, (path, _)) in named.iter().enumerate() {
         check_distinct(&job.input, path)?;
         if named[..index].iter().any(|(other, _)| other == path) {
@@ -106,6 +111,13 @@ fn with_addition(output: &Path, addition: &str) -> PathBuf {
     let ending = output.extension().map(|ending| ending.to_string_lossy());
     let ending = ending.map_or(String::new(), |ending| format!(".{ending}"));
     output.with_file_name(format!("{stem}.{addition}{ending}"))
+}
+
+/// `out.bvh` → `out.bvh.provenance.txt`.
+fn with_origin(output: &Path) -> PathBuf {
+    let mut name = output.file_name().unwrap_or_default().to_owned();
+    name.push(".provenance.txt");
+    output.with_file_name(name)
 }
 
 #[cfg(test)]
