@@ -10,6 +10,7 @@ use std::fmt::Write;
 use nalgebra::{Point3, Quaternion, UnitQuaternion, Vector3};
 
 use super::frames::ExportedBody;
+use super::names::numbered;
 use crate::math::euler::xyz_near;
 use crate::motion::{PoseSample, Scene, Stamp};
 use crate::physics::Body;
@@ -103,12 +104,5 @@ fn free_name(name: &str, taken: &mut BTreeSet<String>) -> String {
             c
         }
     };
-    let base: String = name.chars().map(plain).collect();
-    let mut free = base.clone();
-    let mut number = 2;
-    while !taken.insert(free.clone()) {
-        free = format!("{base}_{number}");
-        number += 1;
-    }
-    free
+    numbered(name.chars().map(plain).collect(), taken)
 }

@@ -2,8 +2,8 @@
 //!
 //! [`motion`] reads back what an estimate added to a recording, [`frames`] puts it on a grid of frames with keys
 //! where the motion has kinks, [`gltf`] makes a binary glTF of that and of what there is to draw, [`tables`] CSV
-//! and TUM trajectories, [`mod@bvh`] a skeleton with frames, [`mod@ros2`] a recording of ROS 2's profile. All are functions of the file and of the wishes alone. `docs/export.md` says what is in
-//! each.
+//! and TUM trajectories, [`mod@bvh`] a skeleton with frames, [`mod@ros2`] a recording of ROS 2's profile. All are functions
+//! of the file and of the wishes alone. `docs/export.md` says what is in each.
 
 mod buffer;
 pub mod bvh;
@@ -11,6 +11,7 @@ mod document;
 pub mod frames;
 pub mod gltf;
 pub mod motion;
+mod names;
 pub mod ros2;
 pub mod tables;
 mod verdict;

@@ -12,6 +12,7 @@ use super::super::dialect::ROS2;
 use super::super::error::WriteError;
 use super::super::{options, topics};
 use super::motion::scene_of_estimate;
+use super::names::numbered;
 use crate::report::ExportProvenance;
 use crate::wire::Container;
 use crate::wire::ros2::RosMessage;
@@ -27,14 +28,7 @@ fn ros_name(topic: &str, taken: &mut BTreeSet<String>) -> String {
             _ => plain,
         }
     });
-    let base = tokens.collect::<Vec<_>>().join("/");
-    let mut name = base.clone();
-    let mut number = 2;
-    while !taken.insert(name.clone()) {
-        name = format!("{base}_{number}");
-        number += 1;
-    }
-    name
+    numbered(tokens.collect::<Vec<_>>().join("/"), taken)
 }
 
 /// A channel of an estimate and what becomes of it.
