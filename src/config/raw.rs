@@ -5,6 +5,8 @@ mod capture;
 mod event;
 mod free;
 mod shape;
+mod timing;
+mod value;
 mod world;
 
 use schemars::JsonSchema;
@@ -14,16 +16,11 @@ pub(super) use self::body::{RawBody, RawTrack, RawTracker};
 pub(super) use self::capture::{RawCapture, RawTrackerClock};
 pub(super) use self::event::{RawAxis, RawCount, RawEvent, RawGoal};
 pub(super) use self::free::RawFree;
-pub(super) use self::shape::{RawFace, RawShape};
+pub(super) use self::shape::RawShape;
+pub(super) use self::timing::{RawTiming, RawWeights};
+pub(super) use self::value::{Corners, Number, Quadruple, Text, Triple};
 pub(super) use self::world::{RawJoint, RawObstacle, RawSurface};
 use super::spanned::Spanned;
-
-pub(super) type Number = Spanned<f64>;
-pub(super) type Triple = Spanned<[f64; 3]>;
-pub(super) type Quadruple = Spanned<[f64; 4]>;
-pub(super) type Text = Spanned<String>;
-/// Lower and upper corner of a box.
-pub(super) type Corners = Spanned<[[f64; 3]; 2]>;
 
 /// A scene: what moves, what stands, what happens, what is wanted. The least is a name, `[timing]` and
 /// one `[[body]]`.
@@ -98,44 +95,4 @@ pub(super) struct RawScene {
     /// What is estimated beside the motion.
     #[serde(default)]
     pub(super) free: Vec<RawFree>,
-}
-
-/// What the stamps of samples mean.
-///
-/// ```toml
-/// [timing]
-/// stamps = "tempo"
-/// mark_sd_ms = 30
-/// ```
-#[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a table with `stamps`")]
-#[schemars(rename = "timing")]
-pub(super) struct RawTiming {
-    /// "physical": the times are those of the motion; "tempo": it was acted in a tempo that is not
-    /// known; "edited": every flight is on a topic of its own, `<topic>/1`, `<topic>/2`, …, with times
-    /// from any zero.
-    pub(super) stamps: Text,
-    /// How much a tempo wavers, as the standard deviation of its logarithm after one second. Default:
-    /// 0.5.
-    pub(super) tempo_sd_per_sqrt_s: Option<Number>,
-    /// Standard deviation of marks. Default: half a sample's interval where stamps are physical, 50
-    /// where they are not.
-    pub(super) mark_sd_ms: Option<Number>,
-}
-
-/// How far a performance is from what was meant, per axis, as standard deviations.
-///
-/// ```toml
-/// [weights]
-/// position_mm = 10
-/// orientation_deg = 5
-/// ```
-#[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a table of weights")]
-#[schemars(rename = "weights")]
-pub(super) struct RawWeights {
-    /// Of positions. Default: 10.
-    pub(super) position_mm: Option<Number>,
-    /// Of orientations. Default: 5.73 (0.1 rad).
-    pub(super) orientation_deg: Option<Number>,
 }

@@ -6,7 +6,8 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::super::spanned::Spanned;
-use super::{Number, Quadruple, RawFace, RawShape, Text, Triple};
+use super::shape::{RawFace, RawShape};
+use super::value::{Number, Quadruple, Text, Triple};
 
 /// A rigid body. Its geometry is given in any frame: where its centre of mass is and how its principal
 /// axes lie is computed from shape and mass, and its poses are written in the frame in which it is

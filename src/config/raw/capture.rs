@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{Number, Text};
+use super::value::{Number, Text};
 
 /// How `enact capture` records.
 ///

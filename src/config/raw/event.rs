@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::super::spanned::Spanned;
-use super::{Corners, Number, Quadruple, Text, Triple};
+use super::value::{Corners, Number, Quadruple, Text, Triple};
 
 /// Something that happens. Each is marked while acting; what a collision does not name is inferred.
 ///

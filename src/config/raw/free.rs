@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{Number, Text};
+use super::value::{Number, Text};
 
 /// A free quantity, with a number of each key in each unit.
 macro_rules! raw_free {

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::super::spanned::Spanned;
-use super::{Number, Quadruple, Text, Triple};
+use super::value::{Number, Quadruple, Text, Triple};
 
 /// A shape, about the origin of its own frame; cylinders, capsules, cones and what is turned are about
 /// z.

@@ -4,7 +4,8 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::super::spanned::Spanned;
-use super::{Number, Quadruple, RawShape, Text, Triple};
+use super::shape::RawShape;
+use super::value::{Number, Quadruple, Text, Triple};
 
 /// A flat surface that has no end, or a board of a size.
 ///
