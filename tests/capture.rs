@@ -309,7 +309,7 @@ fn faults_are_counted_and_every_sample_that_came_is_kept() {
         assert_eq!(counts[what].as_u64(), Some(expected), "{what}: {counts}");
     }
     daemon.wait_for("estimated");
-    daemon.end();
+    daemon.end_with(3);
     let all = sent["poses"].as_u64().expect("number") + sent["marks"].as_u64().expect("number");
     assert_eq!(raw_messages(&take), all);
     assert_eq!(closed["messages"].as_u64(), Some(all));

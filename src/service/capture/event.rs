@@ -191,6 +191,12 @@ impl CountsLine {
         self.marks.refused += other.marks.refused;
     }
 
+    /// Whether a sample that was sent is in no file.
+    fn lacks_samples(&self) -> bool {
+        let lacks = |line: &TrackerLine| line.counts.missing > 0 || line.counts.overflows > 0;
+        self.trackers.iter().any(lacks)
+    }
+
     /// Whether a sample is known to be lost.
     pub fn is_lossy(&self) -> bool {
         let lost = |line: &TrackerLine| {
@@ -226,11 +232,11 @@ pub struct Status {
 }
 
 impl CaptureEvent {
-    /// True if it reports that samples or marks that were sent are not in a file as they should be.
+    /// True if it reports that samples that were sent are not in a file as they should be. What was refused is in it, as it came.
     pub fn is_loss(&self) -> bool {
         match self {
             CaptureEvent::Broken { .. } => true,
-            CaptureEvent::Closed { counts, .. } => counts.is_lossy(),
+            CaptureEvent::Closed { counts, .. } => counts.lacks_samples(),
             _ => false,
         }
     }
