@@ -64,6 +64,11 @@ impl TallyCounts {
         ]
     }
 
+    /// Whether a sample that was sent never arrived.
+    pub fn lacks_samples(&self) -> bool {
+        self.missing > 0 || self.overflows > 0
+    }
+
     /// Adds the counts of another take.
     pub fn add(&mut self, other: &Self) {
         self.received += other.received;

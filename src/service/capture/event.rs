@@ -190,21 +190,6 @@ impl CountsLine {
         self.marks.received += other.marks.received;
         self.marks.refused += other.marks.refused;
     }
-
-    /// Whether a sample that was sent is in no file.
-    fn lacks_samples(&self) -> bool {
-        let lacks = |line: &TrackerLine| line.counts.missing > 0 || line.counts.overflows > 0;
-        self.trackers.iter().any(lacks)
-    }
-
-    /// Whether a sample is known to be lost.
-    pub fn is_lossy(&self) -> bool {
-        let lost = |line: &TrackerLine| {
-            let counts = &line.counts;
-            counts.missing > 0 || counts.overflows > 0 || counts.unstampable > 0
-        };
-        self.trackers.iter().any(lost) || self.marks.refused > 0
-    }
 }
 
 /// The current status of the daemon.
@@ -236,7 +221,10 @@ impl CaptureEvent {
     pub fn is_loss(&self) -> bool {
         match self {
             CaptureEvent::Broken { .. } => true,
-            CaptureEvent::Closed { counts, .. } => counts.lacks_samples(),
+            CaptureEvent::Closed { counts, .. } => {
+                let mut trackers = counts.trackers.iter();
+                trackers.any(|line| line.counts.lacks_samples())
+            }
             _ => false,
         }
     }

@@ -196,8 +196,8 @@ impl Take {
     pub(super) fn lost(&self) -> Option<String> {
         let counts = || self.streams.iter().map(Stream::counts);
         let missing: u64 = counts().map(|counts| counts.missing).sum();
-        let is_cut = counts().any(|counts| counts.overflows > 0);
-        (missing > 0 || is_cut).then(|| {
+        let lacks = counts().any(|counts| counts.lacks_samples());
+        lacks.then(|| {
             let number = self.number;
             match missing {
                 0 => {
