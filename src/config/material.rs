@@ -14,10 +14,6 @@ enum Stated {
     Friction([f64; 2]),
 }
 
-/// Of a table that is no standard, and states no conditions.
-const FRICTION_TABLE: &str = "S. A. Hill, How and Why, chapter Motion, table Coefficients of Friction: kinetic to static, a textbook's \
-                              round values; surfaces differ";
-
 /// A body on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
@@ -93,31 +89,22 @@ pub const MATERIALS: &[Material] = &[
                  0.514 to 0.578 of that; slower ones come back at more",
         stated: Stated::Ratio([0.514, 0.578]),
     },
-    Material {
-        name: "wood-on-wood",
-        what: "wood on wood",
-        source: FRICTION_TABLE,
-        stated: Stated::Friction([0.3, 0.5]),
-    },
-    Material {
-        name: "metal-on-wood",
-        what: "metal on wood",
-        source: FRICTION_TABLE,
-        stated: Stated::Friction([0.3, 0.5]),
-    },
-    Material {
-        name: "steel-on-steel",
-        what: "dry steel on steel",
-        source: FRICTION_TABLE,
-        stated: Stated::Friction([0.3, 0.6]),
-    },
-    Material {
-        name: "rubber-on-concrete",
-        what: "rubber on dry concrete",
-        source: FRICTION_TABLE,
-        stated: Stated::Friction([0.7, 1.0]),
-    },
+    rubs("wood-on-wood", "wood on wood", [0.3, 0.5]),
+    rubs("metal-on-wood", "metal on wood", [0.3, 0.5]),
+    rubs("steel-on-steel", "dry steel on steel", [0.3, 0.6]),
+    rubs("rubber-on-concrete", "rubber on dry concrete", [0.7, 1.0]),
 ];
+
+/// A row of the table of friction, which is no standard and states no conditions: kinetic and static.
+const fn rubs(name: &'static str, what: &'static str, between: [f64; 2]) -> Material {
+    Material {
+        name,
+        what,
+        source: "S. A. Hill, How and Why, chapter Motion, table Coefficients of Friction: kinetic to static, a textbook's \
+                 round values; surfaces differ",
+        stated: Stated::Friction(between),
+    }
+}
 
 /// What a material says something of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -192,6 +179,7 @@ mod tests {
             let expected = (Coefficient::Restitution, [least, most]);
             assert_eq!(found, expected, "{name}");
         }
+        assert_eq!(MATERIALS.len(), 10);
         let mut others = MATERIALS[6..].iter().map(Material::states);
         assert!(others.all(|(of, [least, most])| of == Coefficient::Friction && least < most));
         let said = Material::named("tennis_ball").expect_err("none");

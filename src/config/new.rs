@@ -174,13 +174,16 @@ pub fn new_scene(of: &NewScene) -> Result<MadeScene, NewSceneError> {
             (name.clone(), title, body, None)
         }
     };
-    let stated = material.map(|of| (of, of.states()));
-    let bounces_as = stated.filter(|(_, (of, _))| *of == Coefficient::Restitution);
-    if let (NewObject::Mesh { .. }, None) = (&of.object, bounces_as) {
+    let restitution = material.and_then(|material| match material.states() {
+        (Coefficient::Restitution, between) => Some(between),
+        (Coefficient::Friction, _) => None,
+    });
+    if let (NewObject::Mesh { .. }, None) = (&of.object, restitution) {
         notes.push("the restitution is a guess: set it, or free it by [[free]]".into());
     }
-    if let Some((material, (of, _))) = stated {
-        body.is_of(material);
+    if let Some(material) = material {
+        body.take(material);
+        let (of, _) = material.states();
         notes.push(format!(
             "{} of {}, by {}; {} is not said there and stays as it was",
             of.key(),
@@ -235,7 +238,7 @@ pub fn new_scene(of: &NewScene) -> Result<MadeScene, NewSceneError> {
             }
         }
     }
-    if let Some((_, (_, [lower, upper]))) = bounces_as.filter(|(_, (_, [a, b]))| a < b) {
+    if let Some([lower, upper]) = restitution.filter(|[a, b]| a < b) {
         let quantity = toml::Value::from(format!("{name}.restitution"));
         let _ = write!(
             toml,
@@ -280,20 +283,13 @@ struct BodyText {
 impl BodyText {
     /// Takes the coefficient of a material, in the middle of what is stated; of friction with the standard deviation of a value
     /// that is as likely anywhere between.
-    fn is_of(&mut self, material: &Material) {
+    fn take(&mut self, material: &Material) {
         let (of, [least, most]) = material.states();
         let (key, middle) = (of.key(), ((least + most) * 500.0).round() / 1e3);
-        let stays = |line: &&str| {
-            let is_told =
-                line.starts_with(&format!("{key} =")) || line.starts_with(&format!("# {key}"));
-            !(is_told || line.contains(&format!("{key} on")))
-        };
-        let mut keys: String = self
-            .keys
-            .lines()
-            .filter(stays)
-            .map(|line| format!("{line}\n"))
-            .collect();
+        let told_on = format!("{key} on");
+        let lines = self.keys.lines();
+        let others = lines.filter(|line| !line.starts_with(key) && !line.contains(&told_on));
+        let mut keys: String = others.map(|line| format!("{line}\n")).collect();
         let _ = write!(
             keys,
             "# {}: {}.\n{key} = {middle}\n",
