@@ -319,7 +319,7 @@ fn collisions_that_are_not_done_are_refused() {
         (
             "feature = \"end\"\nsurface",
             "features = [\"end\", \"top\"]\nsurface",
-            "one contact",
+            "friction is for one contact",
         ),
         (
             "restitution = 0.5",

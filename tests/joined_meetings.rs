@@ -104,14 +104,16 @@ fn meets(scene: &Scene, estimate: &Estimate) {
         let rates = forest.rates_of(usize::from(arc.mechanism));
         before.rates[rates].copy_from_slice(&TreeState::of_body(&state).rates);
     }
-    let touch = scene.tree_touch(1).expect("one contact");
+    let touch = scene.tree_touch(1).expect("a named contact");
     let other = touch.at.other.expect("a link");
     let both = [&before, &after].map(|state| {
         let mut snapshot = ForestSnapshot::new(&forest, &estimate.gravity_m_s2);
         snapshot.set(state);
         let [a, b] = [touch.at.place, other].map(|place| snapshot.link_state(place));
         let frames = [&a, &b].map(enact::physics::contact::Frame::of);
-        let at = touch.at.contact.touch(&frames[0], &frames[1]).unwrap();
+        let at = touch.at.contacts.as_slice()[0]
+            .touch(&frames[0], &frames[1])
+            .unwrap();
         let speed = |of: &enact::physics::State, point_m: &Vector3<f64>| {
             let spin = of.angular_velocity_rad_s.cross(point_m);
             at.normal.dot(&(of.velocity_m_s + of.orientation * spin))

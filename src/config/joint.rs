@@ -2,7 +2,7 @@
 
 mod refused;
 
-pub(super) use refused::refuse_free;
+pub(super) use refused::{refuse_dependent, refuse_free};
 
 use std::ops::Range;
 

@@ -9,7 +9,7 @@ use super::error::{Fault, fault};
 use super::event::events;
 use super::goal::{check, goals};
 use super::held::hold;
-use super::joint::{join, refuse_free};
+use super::joint::{join, refuse_dependent, refuse_free};
 use super::law::{self, Laws};
 use super::number::{direction, name, pose, positive, topic, unique, vector, vector_from_mm};
 use super::parameter::parameters;
@@ -100,6 +100,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
             message: error.to_string(),
         })?;
     }
+    refuse_dependent(raw, &scene)?;
     for (goal, span) in goal_spans.iter().enumerate() {
         if let Err(error) = scene.snap_to_contact(goal) {
             return fault(span.clone(), error.to_string());

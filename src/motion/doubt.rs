@@ -77,6 +77,8 @@ pub enum About {
     Receding,
     /// Share of its kinetic energy that a motion gains at an impact.
     Energy,
+    /// Impulse by which one of several contacts pulls at an impact, of the greatest there.
+    Pull,
     /// Angle by which a joint is beyond its limits.
     Limit,
     /// Angle of a body's axis from where it should point at rest.
@@ -114,6 +116,7 @@ impl About {
             About::Gap => "gap",
             About::Receding => "receding",
             About::Energy => "energy",
+            About::Pull => "pull",
             About::Limit => "limit",
             About::Rest => "rest",
         }
@@ -141,7 +144,8 @@ impl About {
             | About::Keyframes
             | About::OpenTimes
             | About::Rivals
-            | About::Energy => "",
+            | About::Energy
+            | About::Pull => "",
         }
     }
 
@@ -169,6 +173,7 @@ impl About {
             | About::Gap
             | About::Receding
             | About::Energy
+            | About::Pull
             | About::Limit => Verdict::Plausible,
             About::Speed
             | About::Spin

@@ -75,4 +75,4 @@ pub use suspect::Suspect;
 pub use take::{Covariance, Holds, Mark, OpenTime, PoseSample, Stamp, StampSource, TakeEvent};
 pub use time_map::TimeMap;
 pub use verdict::Verdict;
-pub use verification::{Balance, Deviation, Penetration, SingleShot, Touch, Verification};
+pub use verification::{Balance, Deviation, Penetration, Pull, SingleShot, Touch, Verification};

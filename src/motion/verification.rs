@@ -82,6 +82,26 @@ impl Touch {
     }
 }
 
+/// A contact that pulls at a collision at several contacts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pull {
+    /// Index into `Scene::events`.
+    pub event: usize,
+    /// Its impulse, of the greatest of that collision.
+    pub share: f64,
+}
+
+impl Pull {
+    /// Greatest share that is attributed to rounding.
+    pub const MOST: f64 = 1e-6;
+
+    /// The doubt that it casts, if it is more than rounding.
+    pub fn doubt(&self) -> Option<Doubt> {
+        let place = Place::Event(self.event);
+        Doubt::beyond(About::Pull, place, self.share, Self::MOST)
+    }
+}
+
 /// Difference between the single shot and the estimate at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
@@ -156,6 +176,8 @@ pub struct Verification {
     pub deepest: Option<Penetration>,
     /// The first touches, collision by collision.
     pub touches: Vec<Touch>,
+    /// Contacts that pull.
+    pub pulls: Vec<Pull>,
     /// The forward simulation.
     pub single_shot: SingleShot,
     /// Energy and momentum.
@@ -168,12 +190,13 @@ impl Verification {
         self.touches.iter().filter(|touch| touch.is_wrong)
     }
 
-    /// The deepest overlap and every touch of another part than expected.
+    /// The deepest overlap, every touch of another part than expected, and every contact that pulls.
     pub fn doubts(&self) -> Vec<Doubt> {
         let wrong = self.wrong_features();
         let wrong = wrong.map(|touch| touch.doubt(self.tolerance_m));
         let deepest = self.deepest.iter();
         let deepest = deepest.map(|deepest| deepest.doubt(self.tolerance_m));
-        deepest.chain(wrong).collect()
+        let pulls = self.pulls.iter().filter_map(Pull::doubt);
+        deepest.chain(wrong).chain(pulls).collect()
     }
 }

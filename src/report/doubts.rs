@@ -91,6 +91,10 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
             "an impact adds {} to the kinetic energy, expected nothing",
             percent(value)
         ),
+        About::Pull => format!(
+            "at {subject} one of the contacts pulls with {} of the greatest impulse: no contact can, expected fewer features",
+            percent(value)
+        ),
         About::Limit => format!(
             "{subject} is {:.1}° beyond its limits at {:.3} s, expected at most {:.1}°",
             value.to_degrees(),

@@ -6,6 +6,7 @@
 //! | speed of a link's fastest point, its angular speed | as [`credible`](super::credible) | |
 //! | distance from the same start integrated with half the steps, through impacts by their law | 1 µm | errors at the end of 2 to 5 links, in `tools/results/trees.md`: up to 10⁻⁸ rad |
 //! | distance of what touches at an impact, speed at which it recedes, kinetic energy gained | 1 µm, 1 µm/s, 10⁻⁹ | the same |
+//! | impulse by which one of several contacts pulls, of the greatest | 10⁻⁶ | rounding |
 //! | angle of a joint beyond its limits | 0.5° | what a hinge yields and a drawing rounds |
 //! | time of an event from its mark | as of bodies | |
 //! | overlap of links that no joint ties, and with the world; parts that touch before what is named | as of bodies ([`TOLERANCE_M`]) | |
@@ -21,7 +22,7 @@ use super::credible::kinematics::{SPEED_M_S, SPIN_RAD_S};
 use super::credible::marks;
 use super::meeting::World;
 use super::{TOLERANCE_M, overlap, touch};
-use crate::motion::{About, Doubt, Estimate, Place, Scene, Sketch, TrackIndex, Verdict};
+use crate::motion::{About, Doubt, Estimate, Place, Pull, Scene, Sketch, TrackIndex, Verdict};
 use crate::physics::tree::Snapshot;
 
 /// Greatest root mean square residual of a track, in units of its weights.
@@ -84,6 +85,7 @@ pub fn doubts(
         .into_iter()
         .filter_map(beyond),
     );
+    doubts.extend(off.pulls.iter().filter_map(Pull::doubt));
     let is_finite = estimate.trees.iter().all(|motion| motion.is_finite())
         && estimate.arcs.iter().all(|arc| arc.state.is_finite());
     // What failed is no motion that could be called physical; joints that whirl take long to follow from all sides.

@@ -2,7 +2,7 @@
 
 use crate::motion::{Estimate, LinkIndex, Partner, Quantity, Scene};
 use crate::physics::State;
-use crate::physics::impact::{self, ContactSet, Side, Velocities};
+use crate::physics::impact::{self, ContactSet, Impact, Side, Velocities};
 
 /// The bodies and contacts of a collision, and its law.
 pub(super) struct Law<'a> {
@@ -51,6 +51,21 @@ impl<'a> Law<'a> {
         state: &State,
         other: Option<&State>,
     ) -> Option<(State, Option<State>)> {
+        let impact = self.impact(state, other)?;
+        let moved = |state: &State, after: &Velocities| State {
+            velocity_m_s: after.velocity_m_s,
+            angular_velocity_rad_s: after.angular_velocity_rad_s,
+            ..*state
+        };
+        Some((
+            moved(state, &impact.after[0]),
+            other.map(|other| moved(other, &impact.after[1])),
+        ))
+    }
+
+    /// The impact of the link, and of the other link if there is one, in these states; `None` as of
+    /// [`Law::after`].
+    pub(super) fn impact(&self, state: &State, other: Option<&State>) -> Option<Impact> {
         let side = |link: LinkIndex, state| Side {
             body: &self.scene.links[link].body,
             state,
@@ -59,18 +74,7 @@ impl<'a> Law<'a> {
             None => None,
             Some(link) => Some(side(link, other?)),
         };
-        let impact = self
-            .contacts
-            .impact(&side(self.link, state), partner.as_ref(), &self.law)
-            .ok()?;
-        let moved = |state: &State, after: &Velocities| State {
-            velocity_m_s: after.velocity_m_s,
-            angular_velocity_rad_s: after.angular_velocity_rad_s,
-            ..*state
-        };
-        Some((
-            moved(state, &impact.after[0]),
-            partner.map(|partner| moved(partner.state, &impact.after[1])),
-        ))
+        let a = side(self.link, state);
+        self.contacts.impact(&a, partner.as_ref(), &self.law).ok()
     }
 }

@@ -1,7 +1,8 @@
 //! Stage 4b: checks an estimated motion by other means than those of the estimation.
 //!
 //! `overlap` searches for solids inside one another along the arcs, `touch` for another part of
-//! a body that would have touched before the expected one, both by parry's distances. `shot`
+//! a body that would have touched before the expected one, both by parry's distances; `pull` for
+//! contacts that would have to pull. `shot`
 //! simulates the whole motion from the first states alone: flights by the Taylor series of
 //! Euler's equations (`series`), collisions by distance. `balance` checks energy and momentum.
 //! [`verify`](verify()) runs all of these. [`credible`] checks in addition whether the motion can
@@ -16,6 +17,7 @@ mod law;
 mod meeting;
 mod moving;
 mod overlap;
+mod pull;
 mod rest;
 mod series;
 mod shot;

@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use super::{TOLERANCE_M, verify};
 use crate::config::scene_from_toml;
 use crate::motion::{
-    Against, ArcEstimate, Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, LinkIndex,
-    MechanismIndex, Penetration, Progress, Scene, Verdict,
+    About, Against, ArcEstimate, Counters, DurationEstimate, End, Estimate, EventEstimate, Gap,
+    LinkIndex, MechanismIndex, Penetration, Progress, Scene, Verdict,
 };
 use crate::physics::impact::{Law, Side};
 use crate::physics::{Drag, State, flow};
@@ -243,6 +243,55 @@ fn struck(scene: &Scene, event: usize, law: &Law, before: &[State]) -> Vec<State
             ..*state
         })
         .collect()
+}
+
+/// Two points of a bar that are near each other come down at once: where one is slower by a third, it would have to be
+/// drawn back.
+#[test]
+fn contacts_that_pull_are_doubted() {
+    let scene = scene(
+        -9.81,
+        "{ kind = \"cuboid\", size_mm = [300, 40, 20] }",
+        "a = [-30, 0, -10], b = [30, 0, -10]",
+        &format!(
+            "{TABLE}{}",
+            DROP.replace("feature = \"tip\"", "features = [\"a\", \"b\"]")
+        ),
+    );
+    let set = scene.contact_set(0).unwrap().unwrap();
+    for (spin_rad_s, pulls) in [(1.0, false), (6.5, true)] {
+        let before = State {
+            velocity_m_s: Vector3::new(0.0, 0.0, -0.8),
+            angular_velocity_rad_s: Vector3::new(0.0, spin_rad_s, 0.0),
+            ..at_rest(0.0, 0.0, 0.01)
+        };
+        let side = Side {
+            body: &scene.links[LinkIndex(0)].body,
+            state: &before,
+        };
+        let impact = set.impact(&side, None, &Law::frictionless(0.6)).unwrap();
+        assert_eq!(impact.pulls(), pulls, "{impact:?}");
+        let after = State {
+            velocity_m_s: impact.after[0].velocity_m_s,
+            angular_velocity_rad_s: impact.after[0].angular_velocity_rad_s,
+            ..before
+        };
+        let start = flow::advance(side.body, &scene.gravity_m_s2, &before, -0.1);
+        let arcs = vec![
+            arc(MechanismIndex(0), start, 0.0, 0.1),
+            arc(MechanismIndex(0), after, 0.1, 0.15),
+        ];
+        let verification = verify(&scene, &estimate(&scene, arcs, &[0.1, 0.15]));
+        let doubts = verification.doubts();
+        let mut told = doubts.iter().filter(|doubt| doubt.about == About::Pull);
+        assert_eq!(told.next().is_some(), pulls, "{doubts:?}");
+        if pulls {
+            let [one, other, _] = impact.normal_impulses_n_s;
+            let share = -one.min(other) / one.max(other);
+            let off = verification.pulls[0].share - share;
+            assert!(off.abs() < 1e-9 && share > 0.1, "{share} {off}");
+        }
+    }
 }
 
 fn leaning(angle_rad: f64) -> State {

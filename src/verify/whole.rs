@@ -1,7 +1,7 @@
 //! All checks of one estimate.
 
 use super::meeting::World;
-use super::{balance, overlap, shot, touch};
+use super::{balance, overlap, pull, shot, touch};
 use crate::motion::{Estimate, Scene, Touch, Verification};
 
 /// Checks an estimated motion independently of its estimation.
@@ -16,6 +16,7 @@ pub fn verify(scene: &Scene, estimate: &Estimate) -> Verification {
         tolerance_m: overlap::TOLERANCE_M,
         deepest,
         touches,
+        pulls: pull::pulls(&world),
         single_shot: shot::shoot(&world),
         balance: balance::balance(&world),
     }

@@ -7,7 +7,7 @@ use enact::config::scene_from_toml;
 use enact::math::Pose;
 use enact::motion::{Estimate, Holds, Mark, PoseSample, Scene, Sees, Stamp, TakeEvent, TrackIndex};
 use enact::physics::contact::{Contact, Feature};
-use enact::physics::impact::Law;
+use enact::physics::impact::{ContactSet, Law};
 use enact::physics::tree::{Flow, ForestSnapshot, LinkContact, Snapshot, Tree, TreeState, tableau};
 use enact::write::WriteError;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -267,6 +267,7 @@ fn struck_motion(
                     normal: Vector3::z(),
                 };
                 let contact = Contact::new(point, face).expect("a point on a face");
+                let contacts = ContactSet::with_friction(&[contact]).expect("one contact");
                 let law = Law {
                     restitution: struck.law[0],
                     friction: struck.law[1],
@@ -278,10 +279,10 @@ fn struck_motion(
                 let touching = LinkContact {
                     place: link,
                     other: None,
-                    contact,
+                    contacts,
                 };
                 let impact = at.impact(&before, &touching, &law).ok()?;
-                if impact.speed_m_s > -SPEED_M_S {
+                if impact.speeds_m_s[0] > -SPEED_M_S {
                     return None;
                 }
                 last_s = now_s + from_s;

@@ -1,5 +1,7 @@
-//! Performances of joined bodies that meet a body by itself, another tree or a link of their own: true motions through
-//! one impact, drawn at that and followed to both sides, and how a hand acts them.
+//! Performances of joined bodies that meet a body by itself, another tree, a link of their own or, at several corners at
+//! once, a table: true motions through one impact, drawn at that and followed to both sides, and how a hand acts them.
+
+mod landed;
 
 use enact::config::scene_from_toml;
 use enact::math::Pose;
@@ -12,7 +14,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::tree_impacts::{Acted, Strike, acted_out, drawn};
+use crate::tree_impacts::{Acted, PLANK_M, Strike, acted_out, drawn};
 use crate::trees::{Jointed, RATE_HZ, ROD_M, joint_toml};
 
 /// What the last rod's end hits.
@@ -26,6 +28,8 @@ pub enum Met {
     Pendulum,
     /// The first rod's side: of three with pins.
     Own,
+    /// The table, with so many corners at once of a plank in the last rod's place: two or three.
+    Table(usize),
 }
 
 /// What meets.
@@ -83,6 +87,7 @@ fn motion(meet: &Meet, random: &mut ChaCha8Rng) -> Option<(String, f64, Vec<Tree
     let mut signed = |most: f64| most * (2.0 * random.random::<f64>() - 1.0);
     let (state, nail_m) = match meet.met {
         Met::Own => (folded(&bare, &forest, rods, &mut signed)?, nail_m),
+        Met::Table(corners) => (landed::landed(&bare, rods, corners, &mut signed)?, nail_m),
         Met::Pendulum => {
             let hanging = swung(&forest.trees()[1], &mut signed);
             let state = forest.whole([rods, hanging]);
@@ -96,7 +101,11 @@ fn motion(meet: &Meet, random: &mut ChaCha8Rng) -> Option<(String, f64, Vec<Tree
             (forest.whole([rods, TreeState::of_body(&place)]), nail_m)
         }
     };
-    let [before_s, after_s] = [(); 2].map(|()| AROUND_S + LONGER_S * random.random::<f64>());
+    let [before_s, mut after_s] = [(); 2].map(|()| AROUND_S + LONGER_S * random.random::<f64>());
+    if let Met::Table(_) = meet.met {
+        // Then what is above comes down too.
+        after_s *= 0.5;
+    }
     let scene = scene_from_toml(&scene_toml(meet, &nail_m, "")).expect("a valid scene");
     let (states, end_m) = followed(meet, &scene, &state, [before_s, after_s])?;
     let end_mm = end_m * 1e3;
@@ -214,17 +223,25 @@ fn followed(
     let forest = scene.forest();
     let mut events = scene.events.iter();
     let hit = events.position(|of| matches!(of.kind, EventKind::Collision(_)))?;
-    let touch = scene.tree_touch(hit).expect("one contact");
+    let touch = scene.tree_touch(hit).expect("a named contact");
     let mut snapshot = ForestSnapshot::new(&forest, &scene.gravity_m_s2);
     snapshot.set(at_hit);
     let frames = [Some(touch.at.place), touch.at.other].map(|place| match place {
         Some(place) => Frame::of(&snapshot.link_state(place)),
         None => Frame::world(),
     });
-    let gap_m = touch.at.contact.touch(&frames[0], &frames[1]).ok()?.gap_m;
-    assert!(gap_m.abs() < 1e-9, "drawn to touch: {gap_m}");
+    for contact in touch.at.contacts.as_slice() {
+        let gap_m = contact.touch(&frames[0], &frames[1]).ok()?.gap_m;
+        assert!(gap_m.abs() < 1e-9, "drawn to touch: {gap_m}");
+    }
     let impact = snapshot.impact(at_hit, &touch.at, &touch.law).ok()?;
-    if !(SPEED_M_S[0]..SPEED_M_S[1]).contains(&-impact.speed_m_s) {
+    let is_one = impact.speeds_m_s.len() == 1;
+    if is_one && !(SPEED_M_S[0]..SPEED_M_S[1]).contains(&-impact.speeds_m_s[0])
+        || impact
+            .normal_impulses_n_s
+            .iter()
+            .any(|impulse| *impulse < 0.0)
+    {
         return None;
     }
     let after = TreeState {
@@ -258,7 +275,8 @@ fn followed(
     Some((states, end_m))
 }
 
-/// Whether all bodies that no joint ties are apart; those that meet at an event only just.
+/// Whether all bodies that no joint ties are apart, and above the table if there is one; those that meet at an event
+/// only just.
 fn is_clear(
     scene: &Scene,
     solids: &[Solid],
@@ -271,6 +289,20 @@ fn is_clear(
         let state = snapshot.link_state(scene.place_of(link));
         Pose::from_parts(state.position_m.into(), state.orientation)
     };
+    let is_above = |link: LinkIndex| {
+        let solid = &solids[usize::from(link)];
+        let lowest = solid.lowest(&poses(link), &Vector3::zeros(), &Vector3::z());
+        let gap_m = lowest.expect("finite").gap_m;
+        gap_m
+            > if meeting.contains(&link) {
+                -1e-5
+            } else {
+                CLEAR_M
+            }
+    };
+    if !scene.surfaces.is_empty() && !scene.links.keys().all(is_above) {
+        return false;
+    }
     let pairs = scene.links.keys().flat_map(|one| {
         let others = scene.links.keys().skip(usize::from(one) + 1);
         others.map(move |other| (one, other))
@@ -296,16 +328,24 @@ fn scene_toml(meet: &Meet, nail_m: &Vector3<f64>, goals: &str) -> String {
             1e3 * ROUND_M,
         )
     };
+    let cuboid = |name: &str, mass_g: &str, size_mm: Vector3<f64>| {
+        format!(
+            "\n[[body]]\nname = \"{name}\"\nshape = {{ kind = \"cuboid\", size_mm = [{:?}, {:?}, {:?}] }}\nmass_g = {mass_g}\n",
+            size_mm.x, size_mm.y, size_mm.z,
+        )
+    };
+    let plank_mm = Vector3::new(PLANK_M[0], PLANK_M[1], ROD_M) * 1e3;
     for link in 0..meet.links {
-        text += &rod(&format!("rod {}", link + 1));
+        let name = format!("rod {}", link + 1);
+        text += &match meet.met {
+            Met::Table(_) if link + 1 == meet.links => cuboid(&name, "100", plank_mm),
+            _ => rod(&name),
+        };
     }
     text += &match meet.met {
-        Met::Box => {
-            let size_mm = BOX_M * 2e3;
-            format!(
-                "\n[[body]]\nname = \"box\"\nshape = {{ kind = \"cuboid\", size_mm = [{:?}, {:?}, {:?}] }}\nmass_g = 150\n",
-                size_mm.x, size_mm.y, size_mm.z,
-            )
+        Met::Box => cuboid("box", "150", BOX_M * 2e3),
+        Met::Table(_) => {
+            "\n[[surface]]\nname = \"table\"\npoint_mm = [0, 0, 0]\nnormal = [0, 0, 1]\n".into()
         }
         Met::Ball => format!(
             "\n[[body]]\nname = \"ball\"\nshape = {{ kind = \"sphere\", radius_mm = {:?} }}\nmass_g = 80\n",
@@ -329,15 +369,24 @@ fn scene_toml(meet: &Meet, nail_m: &Vector3<f64>, goals: &str) -> String {
             500.0 * ROD_M,
         );
     }
-    let (other, feature) = match meet.met {
-        Met::Box => ("box", "face +z"),
-        Met::Ball => ("ball", "ball"),
-        Met::Pendulum => ("pendulum", "end -z"),
-        Met::Own => ("rod 1", "side"),
+    let with = |other: &str, feature: &str| {
+        format!("feature = \"end -z\"\nother = \"{other}\"\nother_feature = \"{feature}\"")
+    };
+    let with = match meet.met {
+        Met::Box => with("box", "face +z"),
+        Met::Ball => with("ball", "ball"),
+        Met::Pendulum => with("pendulum", "end -z"),
+        Met::Own => with("rod 1", "side"),
+        Met::Table(corners) => {
+            format!(
+                "features = {:?}\nsurface = \"table\"",
+                &landed::CORNERS[..corners]
+            )
+        }
     };
     let [restitution, friction] = meet.law;
     text += &format!(
-        "\n[[event]]\nname = \"start\"\nkind = \"start\"\n\n[[event]]\nname = \"hit 1\"\nkind = \"collision\"\nbody = \"rod {}\"\nfeature = \"end -z\"\nother = \"{other}\"\nother_feature = \"{feature}\"\nrestitution = {restitution:?}\nfriction = {friction:?}\n\n[[event]]\nname = \"end\"\nkind = \"end\"\n",
+        "\n[[event]]\nname = \"start\"\nkind = \"start\"\n\n[[event]]\nname = \"hit 1\"\nkind = \"collision\"\nbody = \"rod {}\"\n{with}\nrestitution = {restitution:?}\nfriction = {friction:?}\n\n[[event]]\nname = \"end\"\nkind = \"end\"\n",
         meet.links,
     );
     text + goals

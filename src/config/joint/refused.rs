@@ -7,7 +7,9 @@ use crate::config::spanned::Spanned;
 use crate::config::error::{Fault, fault};
 use crate::config::event::link_of;
 use crate::config::raw::{RawEvent, RawScene};
-use crate::motion::{LinkIndex, Quantity, Scene, Timing};
+use crate::motion::{LinkIndex, Quantity, Scene, Timing, TreeTouch};
+use crate::physics::impact::ImpactError;
+use crate::physics::tree::ForestSnapshot;
 
 /// Refuses a scene with joints that asks for what is not done there.
 pub(super) fn refuse(raw: &RawScene, scene: &Scene) -> Result<(), Fault> {
@@ -84,28 +86,19 @@ pub(in crate::config) fn refuse_free(raw: &RawScene, scene: &Scene) -> Result<()
     fault(place.map_or(0..0, Spanned::span), said)
 }
 
-/// Collisions in a scene with joints are at one contact.
+/// Collisions in a scene with joints are listed one by one.
 fn refuse_event(spanned: &Spanned<RawEvent>) -> Result<(), Fault> {
     let event = spanned.get_ref();
     if event.kind.get_ref() != "collision" {
         return Ok(());
     }
-    let refused = [
-        (
-            event.features.as_ref().map(Spanned::span),
-            "in a scene with joints bodies touch at one contact at a time, expected one feature",
-        ),
-        (
-            event.count.as_ref().map(Spanned::span),
+    match &event.count {
+        Some(count) => fault(
+            count.span(),
             "collisions in a scene with joints are listed one by one, expected no count",
         ),
-    ];
-    for (span, said) in refused {
-        if let Some(span) = span {
-            return fault(span, said);
-        }
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// Refuses collisions of two bodies that a joint ties to each other: whether they overlap beside it is not looked at.
@@ -125,6 +118,40 @@ pub(super) fn refuse_neighbours(raw: &RawScene, scene: &Scene) -> Result<(), Fau
         }
     }
     Ok(())
+}
+
+/// Refuses several contacts at once of which the joints let one follow from the others, whatever the pose: their impulses
+/// would not be determined.
+pub(in crate::config) fn refuse_dependent(raw: &RawScene, scene: &Scene) -> Result<(), Fault> {
+    if scene.joint_trees().next().is_none() {
+        return Ok(());
+    }
+    for (event, spanned) in raw.event.iter().enumerate() {
+        let several = spanned.get_ref().features.as_ref();
+        let several = several.filter(|features| features.get_ref().len() > 1);
+        if let Some((several, touch)) = several.zip(scene.tree_touch(event))
+            && depends(scene, &touch)
+        {
+            let said = "by the joints these features always touch together: expected one of them";
+            return fault(several.span(), said);
+        }
+    }
+    Ok(())
+}
+
+/// Whether contacts depend on each other in some poses that have nothing in common.
+fn depends(scene: &Scene, touch: &TreeTouch) -> bool {
+    let forest = scene.forest();
+    let mut snapshot = ForestSnapshot::new(&forest, &scene.gravity_m_s2);
+    let poses = [0.4, 0.7, 1.1].map(|step: f64| {
+        let delta = (0..2 * forest.freedoms()).map(|at| (1.0 + step * at as f64).sin());
+        forest.retract(&forest.at_rest(), &delta.collect::<Vec<f64>>())
+    });
+    poses.iter().all(|pose| {
+        snapshot.set(pose);
+        let impact = snapshot.impact(pose, &touch.at, &touch.law);
+        matches!(impact, Err(ImpactError::Dependent { .. }))
+    })
 }
 
 /// Keys that a motion with joints does not heed, and what is expected instead.

@@ -33,7 +33,7 @@ pub(super) fn events(scene: &Scene, sketch: &Sketch) -> Vec<TreeEvent> {
             mark_s: sketch.marks[event].map(|mark| [mark.acted_s, mark.sd_s / mark.counted.sqrt()]),
             touch: of.kind.collision().map(|_| {
                 let touch = scene.tree_touch(event);
-                touch.expect("links touch at one contact")
+                touch.expect("what touches is named")
             }),
             free: FreeLaw::of(scene, event),
         })
@@ -41,12 +41,17 @@ pub(super) fn events(scene: &Scene, sketch: &Sketch) -> Vec<TreeEvent> {
 }
 
 impl TreeEvent {
-    /// Number of its rows of touch: approach, and the gap.
+    /// Numbers of its rows of touch: of approach, and of gaps.
+    pub(super) fn touch_row_counts(&self) -> [usize; 2] {
+        let Some(touch) = &self.touch else {
+            return [0; 2];
+        };
+        let count = touch.at.contacts.as_slice().len();
+        [count, if touch.is_by_goal { 0 } else { count }]
+    }
+
+    /// Number of both.
     pub(super) fn touch_row_count(&self) -> usize {
-        match &self.touch {
-            Some(touch) if touch.is_by_goal => 1,
-            Some(_) => 2,
-            None => 0,
-        }
+        self.touch_row_counts().into_iter().sum()
     }
 }

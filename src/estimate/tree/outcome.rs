@@ -229,12 +229,12 @@ fn gap(solved: &Solved, event: usize, within: Option<usize>) -> Gap {
     if let Some(within) = within {
         let block = &solved.solution.system.blocks[problem.event_block(within)];
         let off = |row: usize| block.violation(row).abs();
-        let count = problem.events[within].touch_row_count();
-        if count > 0 {
-            gap.velocity_m_s = gap.velocity_m_s.max(off(0) * unit::VELOCITY_M_S);
+        let [speeds, gaps] = problem.events[within].touch_row_counts();
+        for row in 0..speeds {
+            gap.velocity_m_s = gap.velocity_m_s.max(off(row) * unit::VELOCITY_M_S);
         }
-        if count > 1 {
-            gap.position_m = gap.position_m.max(off(1) * unit::POSITION_M);
+        for row in speeds..speeds + gaps {
+            gap.position_m = gap.position_m.max(off(row) * unit::POSITION_M);
         }
     }
     gap

@@ -47,19 +47,19 @@ pub(super) fn silence(pattern: &BlockPattern, block: &mut Block) {
     }
 }
 
-/// Approach of an impact, and its gap where that has a row: the contact comes nearer, and touches.
+/// Approach of an impact's contacts, and their gaps where those have rows: they come nearer, and touch.
 pub(super) fn touch(
     (impact, derivative): (&TreeImpact, &TreeImpactDerivative),
     count: usize,
     jacobian: &DMatrix<f64>,
     (pattern, block): (&BlockPattern, &mut Block),
 ) {
-    block.bounds[0] = (f64::NEG_INFINITY, 0.0);
-    let rows = [
-        (impact.speed_m_s, &derivative.speed, unit::VELOCITY_M_S),
-        (impact.gap_m, &derivative.gap, unit::POSITION_M),
-    ];
-    for (row, (value, by, unit)) in rows.into_iter().enumerate().take(count) {
+    let speeds = impact.speeds_m_s.iter().zip(&derivative.speeds);
+    let speeds = speeds.map(|(value, by)| (value, by, unit::VELOCITY_M_S));
+    let gaps = impact.gaps_m.iter().zip(&derivative.gaps);
+    let gaps = gaps.map(|(value, by)| (value, by, unit::POSITION_M));
+    block.bounds[..speeds.len()].fill((f64::NEG_INFINITY, 0.0));
+    for (row, (value, by, unit)) in speeds.chain(gaps).enumerate().take(count) {
         block.values[row] = value / unit;
         let chained = jacobian.tr_mul(by) / unit;
         let entries = block.derivatives_mut(pattern, row);

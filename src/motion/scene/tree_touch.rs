@@ -5,7 +5,7 @@ use super::whole::Scene;
 use crate::physics::impact::Law;
 use crate::physics::tree::LinkContact;
 
-/// A link hits the static world or another link at one contact.
+/// A link hits the static world or another link.
 #[derive(Clone, Debug)]
 pub struct TreeTouch {
     /// What touches.
@@ -17,14 +17,11 @@ pub struct TreeTouch {
 }
 
 impl Scene {
-    /// What touches at an event of the scene, at one contact; `None` at an event that is no collision, or one at
-    /// several contacts or at one that is left open.
+    /// What touches at an event of the scene; `None` at an event that is no collision, or one whose contacts are left
+    /// open or not supported.
     pub fn tree_touch(&self, event: usize) -> Option<TreeTouch> {
         let collision = self.events[event].kind.collision()?;
-        let set = self.contact_set(event).ok()??;
-        let [contact] = set.as_slice() else {
-            return None;
-        };
+        let contacts = self.contact_set(event).ok()??;
         Some(TreeTouch {
             at: LinkContact {
                 place: self.place_of(collision.link),
@@ -32,7 +29,7 @@ impl Scene {
                     Partner::World => None,
                     Partner::Link(other) => Some(self.place_of(other)),
                 },
-                contact: *contact,
+                contacts,
             },
             law: self.impact_law(collision),
             is_by_goal: collision.links().all(|link| self.fixes_pose(event, link)),

@@ -30,6 +30,7 @@ pub use model::ImpactByModel;
 
 pub(crate) use contact_state::tilted;
 pub(crate) use coulomb::{Coulomb, CoulombChange};
+pub(crate) use newton::Newton;
 
 #[cfg(test)]
 mod tests;

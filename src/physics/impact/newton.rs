@@ -11,7 +11,7 @@ use super::rows::{Change, ROWS};
 const LEAST_DETERMINANT: f64 = 1e-10;
 
 /// Impulses along the normals, with the intermediate results that their derivatives need.
-pub(super) struct Newton {
+pub(crate) struct Newton {
     restitution: f64,
     /// `(J M⁻¹ Jᵀ)⁻¹`, with ones on the diagonal for absent contacts.
     inverse: Matrix3<f64>,
@@ -20,7 +20,7 @@ pub(super) struct Newton {
 }
 
 impl Newton {
-    pub(super) fn new(
+    pub(crate) fn new(
         restitution: f64,
         count: usize,
         speeds: &Vector3<f64>,
@@ -44,23 +44,23 @@ impl Newton {
     }
 
     /// Impulses along the normals [N s].
-    pub(super) fn impulses(&self) -> Vector3<f64> {
+    pub(crate) fn impulses(&self) -> Vector3<f64> {
         self.plastic * (1.0 + self.restitution)
     }
 
     /// Derivative of the impulses by the restitution.
-    pub(super) fn by_restitution(&self) -> Vector3<f64> {
+    pub(crate) fn by_restitution(&self) -> Vector3<f64> {
         self.plastic
     }
 
     /// Changes of the impulses under changes of the speeds.
-    pub(super) fn by_speeds<const C: usize>(&self, speeds: &Change<C>) -> Change<C> {
+    pub(crate) fn by_speeds<const C: usize>(&self, speeds: &Change<C>) -> Change<C> {
         self.inverse * speeds * -(1.0 + self.restitution)
     }
 
     /// Changes of the impulses under changes of the speeds and of Delassus' operator, the latter
     /// times the impulses: `δp = −(1 + e) W⁻¹ δu − W⁻¹ δW p` with `W = J M⁻¹ Jᵀ`.
-    pub(super) fn change<const C: usize>(
+    pub(crate) fn change<const C: usize>(
         &self,
         speeds: &Change<C>,
         delassus_impulses: &Change<C>,

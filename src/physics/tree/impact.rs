@@ -4,18 +4,21 @@
 //! With the Jacobians of both contact points' velocities in the rates `u` of all trees, `J = J_A − J_B`, the relative
 //! velocity is `v = J u`; an impulse `P` on A, reversed on B, changes the rates by `M⁻¹ Jᵀ P` and that velocity by
 //! `W P` with `W = J M⁻¹ Jᵀ`. Of the static world `J_B` is zero. The law is that of bodies by themselves
-//! ([`Law`]), with this `W`. Joints may hold the contact along some directions, a pin's tip along all but one: `W`
-//! then is singular, and what the law says of `W⁻¹` is said of its pseudo-inverse.
+//! ([`Law`]), with this `W`, at one contact or at several at once. Joints may hold the one contact along some
+//! directions, a pin's tip along all but one: `W` then is singular, and what the law says of `W⁻¹` is said of its
+//! pseudo-inverse.
 
 pub(super) mod derivative;
 mod point;
+mod rule;
 
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
+use self::rule::Rule;
 use super::forest::snapshot::ForestSnapshot;
 use super::state::TreeState;
 use crate::physics::contact::{Contact, Frame, Touch};
-use crate::physics::impact::{Coulomb, ImpactError, Law, tilted};
+use crate::physics::impact::{ContactSet, ImpactError, Law, tilted};
 
 /// What touches: A is a link, B another one or the static world.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,22 +27,23 @@ pub struct LinkContact {
     pub place: usize,
     /// B's place; none: the static world.
     pub other: Option<usize>,
-    /// Their features.
-    pub contact: Contact,
+    /// Their features; of several pairs, which touch at once, without friction.
+    pub contacts: ContactSet,
 }
 
-/// The result of an impact of trees.
+/// The result of an impact of trees: of each contact, and the rates after.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TreeImpact {
-    /// Gap of the contact \[m\].
-    pub gap_m: f64,
-    /// Speed along the untilted normal before [m/s]: the rate of the gap, negative approaching.
-    pub speed_m_s: f64,
-    /// Impulse on A [N s, world]; on B it is the opposite.
-    pub impulse_n_s: Vector3<f64>,
-    /// Its part along the tilted normal [N s]: negative where the contact recedes, which no contact can exert.
-    pub normal_impulse_n_s: f64,
-    /// Whether the contact sticks.
+    /// Gaps \[m\].
+    pub gaps_m: Vec<f64>,
+    /// Speeds along the untilted normals before [m/s]: rates of the gaps, negative approaching.
+    pub speeds_m_s: Vec<f64>,
+    /// Impulses on A [N s, world]; on B they are the opposite.
+    pub impulses_n_s: Vec<Vector3<f64>>,
+    /// Their parts along the tilted normals [N s]: negative where a contact recedes, or others of several lift it
+    /// off, which no contact can exert.
+    pub normal_impulses_n_s: Vec<f64>,
+    /// Whether the one contact sticks.
     pub sticks: bool,
     /// Rates of all trees after the impact.
     pub rates: Vec<f64>,
@@ -56,17 +60,26 @@ pub(super) struct Side {
     pub point_m: Vector3<f64>,
 }
 
-/// An impact solved for its impulse.
-struct Solved {
-    frames: [Frame; 2],
+/// One of the contacts in given poses.
+struct Met {
     touch: Touch,
     sides: Vec<Side>,
-    law: Coulomb,
-    /// Derivatives of the tilted normal by the tilts; none where the normal cannot be tilted.
+    /// The tilted normal [world],
+    normal: Vector3<f64>,
+    /// and its derivatives by the tilts; none where it cannot be tilted.
     normal_by_tilt: Option<[Vector3<f64>; 2]>,
     /// Velocity of A's contact point against B's before [m/s, world].
     velocity_m_s: Vector3<f64>,
-    impulse_n_s: Vector3<f64>,
+}
+
+/// An impact solved for its impulses. Rows of all contacts are one below the other, three of each along the world's
+/// axes.
+struct Solved {
+    frames: [Frame; 2],
+    met: Vec<Met>,
+    rule: Rule,
+    /// On A [N s].
+    impulses_n_s: DVector<f64>,
     /// `J`,
     jacobian: DMatrix<f64>,
     /// and `M⁻¹ Jᵀ`.
@@ -76,8 +89,9 @@ struct Solved {
 impl ForestSnapshot<'_> {
     /// The impact of a link where the trees are set to `state`.
     ///
-    /// Fails where the contact is degenerate or the joints hold it along the normal. A contact that recedes is
-    /// treated by the same formulas without friction. Panics where the law tilts the normal of no face.
+    /// Fails where a contact is degenerate, the joints hold it along the normal, or several depend on each other. A
+    /// contact that recedes is treated by the same formulas without friction. Panics where the law tilts the normal
+    /// of no face, or has friction at several contacts.
     pub fn impact(
         &self,
         state: &TreeState,
@@ -104,13 +118,36 @@ impl ForestSnapshot<'_> {
                 None => Frame::world(),
             },
         ];
-        let touch = of
-            .contact
-            .touch(&frames[0], &frames[1])
-            .map_err(|reason| ImpactError::Degenerate { contact: 0, reason })?;
-        let (normal, normal_by_tilt) = match of.contact.tilt_axes() {
+        let pairs = of.contacts.as_slice().iter().enumerate();
+        let met = pairs.map(|(contact, pair)| {
+            let touch = pair.touch(&frames[0], &frames[1]);
+            let touch = touch.map_err(|reason| ImpactError::Degenerate { contact, reason })?;
+            Ok(self.met(of, (pair, touch), &frames[1], law))
+        });
+        let met: Vec<Met> = met.collect::<Result<_, ImpactError>>()?;
+        let sides: Vec<&[Side]> = met.iter().map(|met| met.sides.as_slice()).collect();
+        let (jacobian, response) = self.response(&sides);
+        let rule = Rule::new(law, &met, (&jacobian, &response))?;
+        Ok(Solved {
+            impulses_n_s: rule.impulses(&met),
+            frames,
+            met,
+            rule,
+            jacobian,
+            response,
+        })
+    }
+
+    fn met(
+        &self,
+        of: &LinkContact,
+        (pair, touch): (&Contact, Touch),
+        frame_of_b: &Frame,
+        law: &Law,
+    ) -> Met {
+        let (normal, normal_by_tilt) = match pair.tilt_axes() {
             Some(axes) => {
-                let axes = axes.map(|axis| frames[1].orientation * axis);
+                let axes = axes.map(|axis| frame_of_b.orientation * axis);
                 let (normal, by_tilt) = tilted(&touch.normal, &axes, law);
                 (normal, Some(by_tilt))
             }
@@ -130,64 +167,80 @@ impl ForestSnapshot<'_> {
             })
         });
         let sides: Vec<Side> = sides.collect();
-        let (delassus, jacobian, response) = self.response(&sides);
         let velocities = sides.iter().map(|side| {
             let (tree, link) = self.forest.tree_of(side.place);
             self.trees[tree].point_velocity(link, &side.point_m) * side.sign
         });
-        let velocity_m_s = velocities.sum();
-        let law = Coulomb::of_joined(law, &normal, &velocity_m_s, &delassus)?;
-        Ok(Solved {
-            impulse_n_s: law.impulse(),
-            frames,
+        Met {
+            velocity_m_s: velocities.sum(),
             touch,
             sides,
-            law,
+            normal,
             normal_by_tilt,
-            velocity_m_s,
-            jacobian,
-            response,
-        })
+        }
     }
 
-    /// `W = J M⁻¹ Jᵀ` of the sides' points [1/kg], `J`, and `M⁻¹ Jᵀ`.
-    pub(super) fn response(&self, sides: &[Side]) -> (Matrix3<f64>, DMatrix<f64>, DMatrix<f64>) {
+    /// `J` of the sides of all contacts, and `M⁻¹ Jᵀ`.
+    pub(super) fn response(&self, contacts: &[&[Side]]) -> (DMatrix<f64>, DMatrix<f64>) {
         let freedoms = self.forest.freedoms();
-        let mut jacobian = DMatrix::zeros(3, freedoms);
-        let mut response = DMatrix::zeros(freedoms, 3);
-        for side in sides {
+        let mut jacobian = DMatrix::zeros(3 * contacts.len(), freedoms);
+        let mut response = DMatrix::zeros(freedoms, 3 * contacts.len());
+        let all = contacts.iter().enumerate();
+        for (contact, side) in all.flat_map(|(at, sides)| sides.iter().map(move |of| (at, of))) {
             let (tree, link) = self.forest.tree_of(side.place);
             let rates = self.forest.rates_of(tree);
             let mut own = DMatrix::zeros(3, rates.len());
             self.trees[tree].point_jacobian(link, &side.point_m, &mut own);
-            let mut columns = jacobian.columns_range_mut(rates.clone());
-            columns += own * side.sign;
+            let mut block = jacobian.view_mut((3 * contact, rates.start), (3, rates.len()));
+            block += own * side.sign;
             let mut changes = vec![0.0; rates.len()];
             for axis in 0..3 {
                 let unit = Vector3::ith(axis, side.sign);
                 self.trees[tree].impulse_response(link, &side.point_m, &unit, &mut changes);
                 for (rate, change) in rates.clone().zip(&changes) {
-                    response[(rate, axis)] += change;
+                    response[(rate, 3 * contact + axis)] += change;
                 }
             }
         }
-        let product = &jacobian * &response;
-        let product: Matrix3<f64> = product.fixed_view::<3, 3>(0, 0).into_owned();
-        ((product + product.transpose()) * 0.5, jacobian, response)
+        (jacobian, response)
     }
 }
 
 impl Solved {
     fn impact(&self, state: &TreeState) -> TreeImpact {
-        let changes = &self.response * self.impulse_n_s;
+        let changes = &self.response * &self.impulses_n_s;
         let rates = state.rates.iter().zip(changes.iter());
+        let impulses_n_s = thirds(&self.impulses_n_s);
+        let normal = |(met, impulse): (&Met, &Vector3<f64>)| met.normal.dot(impulse);
         TreeImpact {
-            gap_m: self.touch.gap_m,
-            speed_m_s: self.touch.normal.dot(&self.velocity_m_s),
-            impulse_n_s: self.impulse_n_s,
-            normal_impulse_n_s: self.law.normal().dot(&self.impulse_n_s),
-            sticks: self.law.sticks(),
+            gaps_m: self.met.iter().map(|met| met.touch.gap_m).collect(),
+            speeds_m_s: self.met.iter().map(Met::speed_m_s).collect(),
+            normal_impulses_n_s: self.met.iter().zip(&impulses_n_s).map(normal).collect(),
+            impulses_n_s,
+            sticks: self.rule.sticks(),
             rates: rates.map(|(rate, change)| rate + change).collect(),
         }
     }
+}
+
+impl Met {
+    /// Speed along the untilted normal [m/s].
+    fn speed_m_s(&self) -> f64 {
+        self.touch.normal.dot(&self.velocity_m_s)
+    }
+}
+
+/// Rows of each contact.
+fn thirds(rows: &DVector<f64>) -> Vec<Vector3<f64>> {
+    let all = rows.as_slice().chunks_exact(3);
+    all.map(Vector3::from_column_slice).collect()
+}
+
+/// Rows of all contacts one below the other.
+fn stacked(rows: impl IntoIterator<Item = Vector3<f64>>) -> DVector<f64> {
+    let rows: Vec<f64> = rows
+        .into_iter()
+        .flat_map(|row| [row.x, row.y, row.z])
+        .collect();
+    DVector::from_vec(rows)
 }

@@ -130,6 +130,7 @@ impl Tried {
                     | About::Gap
                     | About::Receding
                     | About::Energy
+                    | About::Pull
                     | About::Steps
             )
         };

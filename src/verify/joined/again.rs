@@ -4,11 +4,12 @@
 use nalgebra::Vector3;
 
 use super::larger;
-use crate::motion::{Estimate, Scene, TreeTouch};
+use crate::motion::{Estimate, Pull, Scene, TreeTouch};
 use crate::physics::tree::{ForestFlow, ForestSnapshot, TreeState, tableau};
+use crate::verify::pull;
 
 /// How far off the motion is, at most.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Off {
     /// A link's centre, at any state of the estimate, from where this one has it \[m\].
     pub(super) position_m: f64,
@@ -16,6 +17,8 @@ pub(super) struct Off {
     pub(super) gap_m: f64,
     /// How fast the contact of an impact recedes before it [m/s].
     pub(super) receding_m_s: f64,
+    /// Contacts that pull.
+    pub(super) pulls: Vec<Pull>,
     /// What an impact gains of the kinetic energy of what takes part, of that before.
     pub(super) energy: f64,
 }
@@ -42,7 +45,7 @@ pub(super) fn off(scene: &Scene, estimate: &Estimate) -> Off {
     let mut touches = touches(scene, estimate).into_iter().peekable();
     let mut now_s = first.time_s;
     for knot in rest {
-        if let Some((_, touch)) = touches.next_if(|(time_s, _)| {
+        if let Some((_, event, touch)) = touches.next_if(|(time_s, ..)| {
             // The second state at the time of an impact is that after it.
             *time_s == now_s && knot.time_s == now_s
         }) {
@@ -59,8 +62,12 @@ pub(super) fn off(scene: &Scene, estimate: &Estimate) -> Off {
             let before_j = snapshot.kinetic_energy_at(&touch.at);
             snapshot.set(&after);
             let gained_j = snapshot.kinetic_energy_at(&touch.at) - before_j;
-            off.gap_m = larger(off.gap_m, impact.gap_m.abs());
-            off.receding_m_s = larger(off.receding_m_s, impact.speed_m_s);
+            for (gap_m, speed_m_s) in impact.gaps_m.iter().zip(&impact.speeds_m_s) {
+                off.gap_m = larger(off.gap_m, gap_m.abs());
+                off.receding_m_s = larger(off.receding_m_s, *speed_m_s);
+            }
+            off.pulls
+                .extend(pull::of(event, &impact.normal_impulses_n_s));
             off.energy = larger(off.energy, gained_j / before_j);
             flow.begin(&after, false);
         }
@@ -92,10 +99,10 @@ pub(super) fn off(scene: &Scene, estimate: &Estimate) -> Off {
     off
 }
 
-/// Impacts by their times, in order.
-fn touches(scene: &Scene, estimate: &Estimate) -> Vec<(f64, TreeTouch)> {
+/// Impacts by their times, in order, with their events.
+fn touches(scene: &Scene, estimate: &Estimate) -> Vec<(f64, usize, TreeTouch)> {
     let events = estimate.events.iter();
-    let touches = events.filter_map(|of| Some((of.time_s, scene.tree_touch(of.event)?)));
+    let touches = events.filter_map(|of| Some((of.time_s, of.event, scene.tree_touch(of.event)?)));
     let mut touches: Vec<_> = touches.collect();
     touches.sort_by(|a, b| a.0.total_cmp(&b.0));
     touches

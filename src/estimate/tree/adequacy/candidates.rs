@@ -75,7 +75,8 @@ pub(super) fn change(
 }
 
 impl TreeProblem {
-    /// The same problem where a quantity of the scene has this value; `None` where no body is so.
+    /// The same problem where a quantity of the scene has this value; `None` where no body is so, or no impact: at
+    /// several contacts there is no friction.
     pub(super) fn with(&self, scene: &Scene, value: (Quantity, f64)) -> Option<Self> {
         let other = scene.with_values(&[value]).ok()?;
         let mut with = self.clone();
@@ -83,7 +84,7 @@ impl TreeProblem {
         with.gravity_m_s2 = other.gravity_m_s2;
         for event in &mut with.events {
             if event.touch.is_some() {
-                event.touch = other.tree_touch(event.event);
+                event.touch = Some(other.tree_touch(event.event)?);
             }
         }
         for sample in &mut with.samples {

@@ -1,11 +1,12 @@
 //! Derivatives of an impact of trees by the state before and by the law: those of the law of bodies, chained with
-//! those of the contact's velocity and of its response to impulses ([`Point`]).
+//! those of the contacts' velocities and of their response to impulses ([`Point`]).
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::point::{Moves, Point};
-use super::{LinkContact, Solved, TreeImpact};
-use crate::physics::impact::{CoulombChange, ImpactError, Law};
+use super::rule::MetChange;
+use super::{LinkContact, Solved, TreeImpact, stacked, thirds};
+use crate::physics::impact::{ImpactError, Law};
 use crate::physics::state::{DIMENSION, part};
 use crate::physics::tree::forest::snapshot::ForestSnapshot;
 use crate::physics::tree::state::TreeState;
@@ -16,18 +17,32 @@ use crate::physics::tree::state::TreeState;
 /// switch, the derivative of the reported branch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TreeImpactDerivative {
-    /// Of the gap, by the state before.
-    pub gap: DVector<f64>,
-    /// Of the speed along the untilted normal, by the state before.
-    pub speed: DVector<f64>,
+    /// Of the gap of each contact, by the state before.
+    pub gaps: Vec<DVector<f64>>,
+    /// Of their speeds along the untilted normals, by the state before.
+    pub speeds: Vec<DVector<f64>>,
     /// Of the rates after, a row each, by the state before.
     pub rates: DMatrix<f64>,
     /// Of the rates after by the restitution.
     pub by_restitution: DVector<f64>,
     /// Of the rates after by the coefficient of friction.
     pub by_friction: DVector<f64>,
-    /// Of the rates after by the two tilts; `None` where no face is touched.
+    /// Of the rates after by the two tilts; `None` where one contact has no face.
     pub by_tilt: Option<DMatrix<f64>>,
+}
+
+/// How a contact changes with the coordinates of the forest.
+struct Moved<'a> {
+    /// Its gap,
+    gap: DMatrix<f64>,
+    /// its untilted normal [world],
+    normal: DMatrix<f64>,
+    /// how B's face turns [rad, world],
+    turn: DMatrix<f64>,
+    /// its relative velocity, all rates held [m/s, world],
+    velocities: Vec<Vector3<f64>>,
+    /// and its points on both sides, with their signs.
+    points: Vec<(f64, Point<'a>)>,
 }
 
 impl ForestSnapshot<'_> {
@@ -50,115 +65,118 @@ impl ForestSnapshot<'_> {
         of: &LinkContact,
     ) -> Result<TreeImpactDerivative, ImpactError> {
         let freedoms = self.forest.freedoms();
+        let trees = self.moves(solved);
+        let moved = (0..solved.met.len()).map(|at| self.moved((solved, at), (of, state), &trees));
+        let moved: Vec<Moved> = moved.collect::<Result<_, ImpactError>>()?;
+        let response = |impulses: &DVector<f64>| response(solved, (&trees, &moved), impulses);
+        let own = response(&solved.impulses_n_s);
+        let tried = solved.rule.tried(&solved.met);
+        let tried: Vec<_> = tried.iter().map(response).collect();
+        let (met, jacobian) = (&solved.met, &solved.jacobian);
+        let with_law = (met.as_slice(), &(jacobian * &solved.response));
+        let mut speeds = vec![DVector::zeros(2 * freedoms); met.len()];
+        let mut after = DMatrix::zeros(freedoms, 2 * freedoms);
+        for column in 0..freedoms {
+            let by = moved.iter().zip(met).map(|(moved, met)| MetChange {
+                velocity: moved.velocities[column],
+                normal: match met.normal_by_tilt {
+                    // It turns with the face.
+                    Some(_) => third(&moved.turn, 0, column).cross(&met.normal),
+                    None => third(&moved.normal, 0, column),
+                },
+            });
+            let by: Vec<MetChange> = by.collect();
+            let tried = tried.iter().map(|(steady, changed)| {
+                let by_rates = jacobian * changed.column(column);
+                stacked(steady.iter().map(|of| of[column])) + by_rates
+            });
+            let tried: Vec<DVector<f64>> = tried.collect();
+            let impulses = solved.rule.change(with_law, &by, &tried);
+            let mut to = after.column_mut(column);
+            to.copy_from(&own.1.column(column));
+            to += &solved.response * impulses;
+            for (speed, (moved, met)) in speeds.iter_mut().zip(moved.iter().zip(met)) {
+                let normal = third(&moved.normal, 0, column);
+                let velocity = &moved.velocities[column];
+                speed[column] = met.touch.normal.dot(velocity) + met.velocity_m_s.dot(&normal);
+            }
+        }
+        for rate in 0..freedoms {
+            let column = freedoms + rate;
+            let velocities = (0..met.len()).map(|at| third(jacobian, at, rate));
+            let velocities: Vec<Vector3<f64>> = velocities.collect();
+            let impulses = solved.rule.by_velocities(met, &velocities);
+            let mut to = after.column_mut(column);
+            to[rate] = 1.0;
+            to += &solved.response * impulses;
+            for (speed, (met, velocity)) in speeds.iter_mut().zip(met.iter().zip(&velocities)) {
+                speed[column] = met.touch.normal.dot(velocity);
+            }
+        }
+        let gap = |of: &Moved| of.gap.transpose().resize_vertically(2 * freedoms, 0.0);
+        Ok(TreeImpactDerivative {
+            gaps: moved
+                .iter()
+                .map(|of| gap(of).column(0).into_owned())
+                .collect(),
+            speeds,
+            rates: after,
+            by_restitution: &solved.response * solved.rule.by_restitution(met),
+            by_friction: &solved.response * solved.rule.by_friction(met),
+            by_tilt: solved.by_tilt(tried.len()),
+        })
+    }
+
+    fn moved<'m>(
+        &self,
+        (solved, contact): (&Solved, usize),
+        (of, state): (&LinkContact, &TreeState),
+        trees: &'m [Moves<'m>],
+    ) -> Result<Moved<'m>, ImpactError> {
+        let freedoms = self.forest.freedoms();
         let [a, b] = &solved.frames;
-        let (touch, by_pose) = of
-            .contact
+        let (_, by_pose) = of.contacts.as_slice()[contact]
             .touch_derivative(a, b)
-            .map_err(|reason| ImpactError::Degenerate { contact: 0, reason })?;
-        let (mut gap, mut normals) = (DMatrix::zeros(1, freedoms), DMatrix::zeros(3, freedoms));
+            .map_err(|reason| ImpactError::Degenerate { contact, reason })?;
+        let sides = &solved.met[contact].sides;
+        let (mut gap, mut normal) = (DMatrix::zeros(1, freedoms), DMatrix::zeros(3, freedoms));
         let mut slides = [DMatrix::zeros(3, freedoms), DMatrix::zeros(3, freedoms)];
-        // How the axes of B's face turn [rad, world].
-        let mut turned = DMatrix::zeros(3, freedoms);
+        let mut turn = DMatrix::zeros(3, freedoms);
         let mut of_link = DMatrix::zeros(DIMENSION, 2 * freedoms);
-        for (index, side) in solved.sides.iter().enumerate() {
+        for (index, side) in sides.iter().enumerate() {
             self.link_jacobian(side.place, &mut of_link);
             let poses = of_link.view((part::POSITION, 0), (6, freedoms));
             let of_side = 6 * index;
             gap += by_pose.gap.fixed_columns::<6>(of_side) * poses;
-            normals += by_pose.normal.fixed_columns::<6>(of_side) * poses;
+            normal += by_pose.normal.fixed_columns::<6>(of_side) * poses;
             slides[0] += by_pose.on_a.fixed_columns::<6>(of_side) * poses;
             slides[1] += by_pose.on_b.fixed_columns::<6>(of_side) * poses;
             if index == 1 {
                 let turns = of_link.view((part::ORIENTATION, 0), (3, freedoms));
-                turned += b.orientation.to_rotation_matrix().matrix() * turns;
+                turn += b.orientation.to_rotation_matrix().matrix() * turns;
             }
         }
-        let moves = self.moves(solved);
-        let of_tree = |tree: usize| moves.iter().find(|of| of.tree == tree);
-        let points = solved.sides.iter().zip(&slides).map(|(side, slides)| {
+        let points = sides.iter().zip(&slides).map(|(side, slides)| {
             let (tree, link) = self.forest.tree_of(side.place);
-            let moves = of_tree(tree).expect("all trees of the sides");
-            let point = Point::new(moves, (link, &side.point_m), slides);
-            (side.sign, point)
+            let moves = trees.iter().find(|of| of.tree == tree);
+            let moves = moves.expect("all trees of the sides");
+            (side.sign, Point::new(moves, (link, &side.point_m), slides))
         });
         let points: Vec<(f64, Point)> = points.collect();
-        let velocities = sum(&points, &state.rates, freedoms, true);
-        let responses = [
-            *solved.law.normal(),
-            solved.law.stuck(),
-            solved.law.stuck_twice(),
-            solved.impulse_n_s,
-        ]
-        .map(|impulse| response(solved, (&moves, &points), &impulse));
-        let jacobian = &solved.jacobian;
-        let delassus = |of: usize, column: usize| -> Vector3<f64> {
-            let (steady, changed) = &responses[of];
-            let by_rates = jacobian * changed.column(column);
-            steady[column] + Vector3::new(by_rates[0], by_rates[1], by_rates[2])
-        };
-        let gap = gap.transpose().resize_vertically(2 * freedoms, 0.0);
-        let mut speed = DVector::zeros(2 * freedoms);
-        let mut after = DMatrix::zeros(freedoms, 2 * freedoms);
-        for column in 0..2 * freedoms {
-            let is_rate = column >= freedoms;
-            let (mut normal, mut velocity) = (Vector3::zeros(), Vector3::zeros());
-            let impulse = if is_rate {
-                let at = column - freedoms;
-                velocity += jacobian.fixed_view::<3, 1>(0, at);
-                after[(at, column)] = 1.0;
-                solved.law.by_velocity(velocity)
-            } else {
-                velocity += velocities[column];
-                normal += normals.fixed_view::<3, 1>(0, column);
-                let tilted = match solved.normal_by_tilt {
-                    // It turns with the face.
-                    Some(_) => {
-                        let turn = turned.fixed_view::<3, 1>(0, column).into_owned();
-                        turn.cross(solved.law.normal())
-                    }
-                    None => normal,
-                };
-                let steady = &responses[3].1.column(column);
-                after.column_mut(column).copy_from(steady);
-                solved.law.change(&CoulombChange {
-                    normal: tilted,
-                    velocity,
-                    delassus_normal: delassus(0, column),
-                    delassus_stuck: delassus(1, column),
-                    delassus_rigid: delassus(2, column),
-                })
-            };
-            speed[column] = touch.normal.dot(&velocity) + solved.velocity_m_s.dot(&normal);
-            let mut to = after.column_mut(column);
-            to += &solved.response * impulse;
-        }
-        let by_tilt = solved.normal_by_tilt.map(|normals| {
-            let columns = normals.map(|normal| {
-                let impulse = solved.law.change(&CoulombChange {
-                    normal,
-                    velocity: Vector3::zeros(),
-                    delassus_normal: Vector3::zeros(),
-                    delassus_stuck: Vector3::zeros(),
-                    delassus_rigid: Vector3::zeros(),
-                });
-                &solved.response * impulse
-            });
-            DMatrix::from_columns(&columns)
-        });
-        Ok(TreeImpactDerivative {
-            gap: gap.column(0).into_owned(),
-            speed,
-            rates: after,
-            by_restitution: &solved.response * solved.law.by_restitution(),
-            by_friction: &solved.response * solved.law.by_friction(),
-            by_tilt,
+        Ok(Moved {
+            gap,
+            normal,
+            turn,
+            velocities: sum(&points, &state.rates, freedoms, true),
+            points,
         })
     }
 
     /// The trees that take part, each once.
     fn moves(&self, solved: &Solved) -> Vec<Moves<'_>> {
         let mut trees: Vec<usize> = Vec::new();
-        for side in &solved.sides {
+        // The sides of all contacts are the same links.
+        for side in &solved.met[0].sides {
             let (tree, _) = self.forest.tree_of(side.place);
             if !trees.contains(&tree) {
                 trees.push(tree);
@@ -169,6 +187,31 @@ impl ForestSnapshot<'_> {
             .map(|tree| Moves::new(&self.trees[tree], (tree, self.forest.rates_of(tree))))
             .collect()
     }
+}
+
+impl Solved {
+    /// Rates after by the two tilts, all poses held; `tried` is how many responses the law asks for.
+    fn by_tilt(&self, tried: usize) -> Option<DMatrix<f64>> {
+        let met = &self.met;
+        let normals: Option<Vec<_>> = met.iter().map(|met| met.normal_by_tilt).collect();
+        let normals = normals?;
+        let with_law = (met.as_slice(), &(&self.jacobian * &self.response));
+        let steady = vec![DVector::zeros(3 * met.len()); tried];
+        let columns = [0, 1].map(|tilt| {
+            let by = normals.iter().map(|normals| MetChange {
+                normal: normals[tilt],
+                velocity: Vector3::zeros(),
+            });
+            let by: Vec<MetChange> = by.collect();
+            &self.response * self.rule.change(with_law, &by, &steady)
+        });
+        Some(DMatrix::from_columns(&columns))
+    }
+}
+
+/// Three rows of a contact.
+fn third(of: &DMatrix<f64>, contact: usize, column: usize) -> Vector3<f64> {
+    of.fixed_view::<3, 1>(3 * contact, column).into_owned()
 }
 
 /// `δ(J) w` by each coordinate, with or without the velocity of what trees hang from.
@@ -187,24 +230,29 @@ fn sum(
     all
 }
 
-/// `δ(J) w` and `δw` of `w = M⁻¹ Jᵀ p` by each coordinate.
+/// `δ(J) w` of each contact and `δw` of `w = M⁻¹ Jᵀ p` by each coordinate.
 fn response(
     solved: &Solved,
-    (moves, points): (&[Moves], &[(f64, Point)]),
-    impulse: &Vector3<f64>,
-) -> (Vec<Vector3<f64>>, DMatrix<f64>) {
-    let rates = &solved.response * impulse;
+    (trees, moved): (&[Moves], &[Moved]),
+    impulses: &DVector<f64>,
+) -> (Vec<Vec<Vector3<f64>>>, DMatrix<f64>) {
+    let rates = &solved.response * impulses;
     let freedoms = rates.len();
-    let steady = sum(points, rates.as_slice(), freedoms, false);
+    let steady = moved.iter();
+    let steady = steady.map(|of| sum(&of.points, rates.as_slice(), freedoms, false));
     let mut changed = DMatrix::zeros(freedoms, freedoms);
-    for of in moves {
-        let mut right = DMatrix::zeros(of.rates.len(), freedoms);
-        for (sign, point) in points.iter().filter(|(_, point)| point.is_on(of)) {
-            point.push(&(impulse * *sign), &mut right);
+    for tree in trees {
+        let mut right = DMatrix::zeros(tree.rates.len(), freedoms);
+        for (of, impulse) in moved.iter().zip(thirds(impulses)) {
+            for (sign, point) in of.points.iter().filter(|(_, point)| point.is_on(tree)) {
+                point.push(&(impulse * *sign), &mut right);
+            }
         }
-        of.take_inertia(rates.as_slice(), &mut right);
-        let solved = of.solve(right);
-        changed.rows_range_mut(of.rates.clone()).copy_from(&solved);
+        tree.take_inertia(rates.as_slice(), &mut right);
+        let solved = tree.solve(right);
+        changed
+            .rows_range_mut(tree.rates.clone())
+            .copy_from(&solved);
     }
-    (steady, changed)
+    (steady.collect(), changed)
 }

@@ -125,7 +125,9 @@ pub fn inverse_mass_at(
         sign: 1.0,
         point_m: *point_m,
     };
-    snapshot.response(&[side]).0
+    let (jacobian, response) = snapshot.response(&[&[side]]);
+    let product = jacobian * response;
+    product.fixed_view::<3, 3>(0, 0).into_owned()
 }
 
 /// All trees of the tests with names.

@@ -149,15 +149,18 @@ fn kinds() -> Vec<(String, Kind)> {
     kinds
 }
 
-/// Performances of a row: fewer of what takes seconds each.
-fn performances(kind: &Kind) -> u64 {
-    match (kind.is_clamped, kind.links) {
-        (true, 2) => 20,
-        (true, 3) => 10,
-        (true, 5..) => 2,
-        _ => 5,
+/// Performances of a row: fewer of what takes seconds each, and of rougher hands.
+fn performances(kind: &Kind, distortion: f64) -> u64 {
+    match kind.links {
+        ..=SHORT if distortion == DISTORTIONS[0] => 100,
+        ..=SHORT => 20,
+        4 => 5,
+        _ => 2,
     }
 }
+
+/// Most links of what is summed up as short.
+const SHORT: usize = 3;
 
 /// Runs it.
 pub fn run(options: &Options, record: &mut Record) -> Result<()> {
@@ -178,15 +181,17 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     ];
     let mut table = Table::new("recipe", "", &header);
     let mut numbers = Vec::new();
-    let mut shares = DISTORTIONS.map(|_| (0, 0));
+    // Of the chain, of short pendulums, of long ones.
+    let mut shares = [[(0, 0); DISTORTIONS.len()]; 3];
     for (name, kind) in kinds() {
-        for (distortion, counted) in DISTORTIONS.into_iter().zip(&mut shares) {
+        let length = usize::from(kind.is_clamped) + usize::from(kind.links > SHORT);
+        for (distortion, counted) in DISTORTIONS.into_iter().zip(&mut shares[length]) {
             // A quick run leaves out what takes seconds each.
             let is_slow = distortion > DISTORTIONS[0] || kind.is_clamped && kind.links > 3;
             if options.quick && is_slow || !options.wants(&format!("{name}, {distortion}x")) {
                 continue;
             }
-            let seeds = options.seeds(performances(&kind));
+            let seeds = options.seeds(performances(&kind, distortion));
             let all: Vec<Performed> = seeds
                 .map(|seed| Performed::of(&kind, distortion, seed))
                 .collect();
@@ -213,13 +218,16 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
             numbers.push((name.clone(), distortion, all));
         }
     }
-    let said = DISTORTIONS.iter().zip(shares);
-    let said: Vec<String> = said
-        .map(|(distortion, (found, of))| format!("{} at {distortion}×", percent(found, of)))
-        .collect();
+    let [chain, short, long] = shares.map(|shares| {
+        let said = DISTORTIONS.iter().zip(shares);
+        let said = said.filter(|(_, (_, of))| *of > 0);
+        let said = said.map(|(distortion, (found, of))| {
+            format!("{} of {of} at {distortion}×", percent(found, of))
+        });
+        said.collect::<Vec<String>>().join(", ")
+    });
     record.say(format!(
-        "Chains and pendulums of 2 to 8 rods from their sketches: the best known motion is found of {}.",
-        said.join(", ")
+        "From their sketches the best known motion is found of chains in {chain}; of pendulums of 2 and 3 rods in {short}; of 4 to 8 rods in {long}."
     ));
     record.table(table);
     record.numbers("joined", &numbers)

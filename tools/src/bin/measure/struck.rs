@@ -1,4 +1,4 @@
-//! Bodies joined in trees that hit a table, bodies by themselves and each other: how often a motion is found, and how near it is to the true one.
+//! Bodies joined in trees that hit a table, at one corner or several, bodies by themselves and each other: how often a motion is found, and how near it is to the true one.
 
 use anyhow::Result;
 use enact::motion::Verdict;
@@ -118,7 +118,28 @@ fn kinds() -> Vec<(String, Kind)> {
         }));
     }
     kinds.extend(meetings(law));
+    kinds.extend(landings());
     kinds
+}
+
+/// Joined bodies of which a plank comes down on several corners at once, without friction.
+fn landings() -> [(String, Kind); 4] {
+    [
+        ("flail of 2 on an edge", 2, Jointed::Ball, 2),
+        ("flail of 2 on a face", 2, Jointed::Pin, 3),
+        ("chain of 3 on an edge", 3, Jointed::Universal, 2),
+        ("chain of 3 on a face", 3, Jointed::Universal, 3),
+    ]
+    .map(|(what, links, joints, corners)| {
+        let of = Meet {
+            links,
+            joints,
+            hangs_m: None,
+            met: Met::Table(corners),
+            law: [0.5, 0.0],
+        };
+        (what.to_owned(), Kind::Moving(of))
+    })
 }
 
 /// Joined bodies that meet something that moves, by a law of restitution and friction.

@@ -1,0 +1,39 @@
+//! Contacts that pull. At several contacts at once the law of impact lets each rebound as the restitution says; where one
+//! comes far more slowly than the others, that takes an impulse which draws it back, and no contact can exert one: it would
+//! come off, which is another motion.
+
+use super::law::Law;
+use super::meeting::World;
+use crate::motion::{LinkIndex, Pull};
+
+/// The pulls of a motion of bodies by themselves, of every collision at several contacts that has one.
+pub(super) fn pulls(world: &World) -> Vec<Pull> {
+    let events = world.estimate.events.iter();
+    let pulls = events.filter_map(|event| {
+        let law = Law::new(world.scene, world.estimate, event.event)?;
+        let before = |link: LinkIndex| {
+            let link = &world.links[link];
+            Some(link.state(link.ending_at(event.time_s)?, event.time_s))
+        };
+        let other = match law.other {
+            Some(other) => Some(before(other)?),
+            None => None,
+        };
+        let impact = law.impact(&before(law.link)?, other.as_ref())?;
+        let count = law.contacts.as_slice().len();
+        of(event.event, &impact.normal_impulses_n_s[..count])
+    });
+    pulls.collect()
+}
+
+/// The pull at an event, if one of several impulses along normals does.
+pub(super) fn of(event: usize, impulses_n_s: &[f64]) -> Option<Pull> {
+    let greatest = |of: &mut dyn Iterator<Item = f64>| of.fold(0.0, f64::max);
+    let pull = greatest(&mut impulses_n_s.iter().map(|impulse| -impulse));
+    let size = greatest(&mut impulses_n_s.iter().map(|impulse| impulse.abs()));
+    // One contact alone pulls where it recedes, which is looked at by itself.
+    (impulses_n_s.len() > 1 && pull > 0.0).then(|| Pull {
+        event,
+        share: pull / size,
+    })
+}
