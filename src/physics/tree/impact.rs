@@ -9,11 +9,14 @@
 //! pseudo-inverse.
 
 pub(super) mod derivative;
+mod met;
 mod point;
 mod rule;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
+pub(super) use self::met::Side;
+use self::met::{Met, thirds};
 use self::rule::Rule;
 use super::forest::snapshot::ForestSnapshot;
 use super::state::TreeState;
@@ -47,29 +50,6 @@ pub struct TreeImpact {
     pub sticks: bool,
     /// Rates of all trees after the impact.
     pub rates: Vec<f64>,
-}
-
-/// A link that takes part in an impact.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Side {
-    /// Its place among the links of the forest.
-    pub place: usize,
-    /// One of A, minus one of B.
-    pub sign: f64,
-    /// Where it is touched [m, link].
-    pub point_m: Vector3<f64>,
-}
-
-/// One of the contacts in given poses.
-struct Met {
-    touch: Touch,
-    sides: Vec<Side>,
-    /// The tilted normal [world],
-    normal: Vector3<f64>,
-    /// and its derivatives by the tilts; none where it cannot be tilted.
-    normal_by_tilt: Option<[Vector3<f64>; 2]>,
-    /// Velocity of A's contact point against B's before [m/s, world].
-    velocity_m_s: Vector3<f64>,
 }
 
 /// An impact solved for its impulses. Rows of all contacts are one below the other, three of each along the world's
@@ -221,26 +201,4 @@ impl Solved {
             rates: rates.map(|(rate, change)| rate + change).collect(),
         }
     }
-}
-
-impl Met {
-    /// Speed along the untilted normal [m/s].
-    fn speed_m_s(&self) -> f64 {
-        self.touch.normal.dot(&self.velocity_m_s)
-    }
-}
-
-/// Rows of each contact.
-fn thirds(rows: &DVector<f64>) -> Vec<Vector3<f64>> {
-    let all = rows.as_slice().chunks_exact(3);
-    all.map(Vector3::from_column_slice).collect()
-}
-
-/// Rows of all contacts one below the other.
-fn stacked(rows: impl IntoIterator<Item = Vector3<f64>>) -> DVector<f64> {
-    let rows: Vec<f64> = rows
-        .into_iter()
-        .flat_map(|row| [row.x, row.y, row.z])
-        .collect();
-    DVector::from_vec(rows)
 }

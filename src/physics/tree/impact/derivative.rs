@@ -3,9 +3,10 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
+use super::met::{stacked, thirds};
 use super::point::{Moves, Point};
 use super::rule::MetChange;
-use super::{LinkContact, Solved, TreeImpact, stacked, thirds};
+use super::{LinkContact, Solved, TreeImpact};
 use crate::physics::impact::{ImpactError, Law};
 use crate::physics::state::{DIMENSION, part};
 use crate::physics::tree::forest::snapshot::ForestSnapshot;

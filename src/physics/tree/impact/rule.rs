@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use super::{Met, stacked, thirds};
+use super::met::{Met, stacked, thirds};
 use crate::physics::impact::{Coulomb, CoulombChange, ImpactError, Law, Newton};
 
 /// The law with its intermediate results. Impulses are those on A \[N s\], three rows of each contact along the world's
