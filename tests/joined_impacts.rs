@@ -3,7 +3,6 @@
 use enact::config::scene_from_toml;
 use enact::motion::{About, Against, Doubt, Estimate, LinkIndex, Place, Scene, Verdict};
 use enact::physics::tree::Snapshot;
-use enact::pipeline::{Outcome, Pipeline};
 use enact::verify;
 use enact_tools::replay::Program;
 use enact_tools::tree_impacts::{Acted, Form, Strike, Struck, strike};
@@ -31,12 +30,6 @@ const KINDS: [Struck; 4] = [
     struck(3, Jointed::Universal, None, 1),
 ];
 
-fn finished(strike: &Strike) -> Outcome {
-    let events = strike.events.iter().cloned();
-    let outcome = Pipeline::of(strike.scene.clone(), events).finish(&mut ());
-    outcome.expect("an estimate")
-}
-
 /// Times of the impacts, as estimated \[s\].
 fn hits_s(estimate: &Estimate) -> Vec<f64> {
     let free = estimate.events.iter().filter(|event| !event.is_fixed);
@@ -46,15 +39,10 @@ fn hits_s(estimate: &Estimate) -> Vec<f64> {
 /// From exact samples and marks, motion and times of impacts come back.
 #[test]
 fn an_exact_sketch_gives_motion_and_impacts_back() {
-    let exact = Acted {
-        distortion: 0.0,
-        noise: 0.0,
-        mark_sd_s: 0.0,
-    };
     for kind in &KINDS {
         for seed in 8000..8003 {
-            let strike = strike(kind, &exact, seed);
-            let estimate = finished(&strike).estimate;
+            let strike = strike(kind, &Acted::EXACT, seed);
+            let estimate = strike.finished().estimate;
             assert_eq!(estimate.verdict, Verdict::Physical, "{kind:?} {seed}");
             for (found_s, true_s) in hits_s(&estimate).iter().zip(&strike.impacts_s) {
                 let off_s = (found_s - true_s).abs();
@@ -74,7 +62,7 @@ fn rough_sketches_bounce_by_the_law() {
     for kind in &KINDS {
         for seed in 8010..8014 {
             let strike = strike(kind, &Acted::of(1.0), seed);
-            let outcome = finished(&strike);
+            let outcome = strike.finished();
             let estimate = &outcome.estimate;
             physical += usize::from(estimate.verdict == Verdict::Physical);
             if estimate.verdict != Verdict::Physical {
@@ -137,7 +125,7 @@ fn bounces(strike: &Strike, estimate: &Estimate) {
 #[test]
 fn motions_that_break_the_law_are_doubted() {
     let strike = strike(&KINDS[0], &Acted::of(0.5), 8020);
-    let outcome = finished(&strike);
+    let outcome = strike.finished();
     let doubts = |estimate: &Estimate| -> Vec<About> {
         let made = (&outcome.sketch, &*outcome.marks_made_s);
         let doubts = verify::joined::doubts(&outcome.scene, made, estimate);
@@ -184,7 +172,7 @@ fn motions_that_break_the_law_are_doubted() {
 #[test]
 fn what_a_scene_forbids_is_doubted() {
     let strike = strike(&KINDS[3], &Acted::of(0.5), 8021);
-    let outcome = finished(&strike);
+    let outcome = strike.finished();
     let doubts = |scene: &Scene| -> Vec<Doubt> {
         let made = (&outcome.sketch, &*outcome.marks_made_s);
         verify::joined::doubts(scene, made, &outcome.estimate)
@@ -231,7 +219,7 @@ fn what_a_scene_forbids_is_doubted() {
 fn a_scene_that_says_the_wrong_thing_is_not_physical() {
     for kind in &KINDS[..2] {
         let right = strike(kind, &Acted::of(0.5), 8030);
-        let estimate = finished(&right).estimate;
+        let estimate = right.finished().estimate;
         assert_eq!(estimate.verdict, Verdict::Physical, "{kind:?}");
         let was = estimate.objective;
         let wrong = [
@@ -248,7 +236,7 @@ fn a_scene_that_says_the_wrong_thing_is_not_physical() {
             said.scene_toml = right.scene_toml.replace(from, to);
             assert_ne!(said.scene_toml, right.scene_toml);
             said.scene = scene_from_toml(&said.scene_toml).expect("a valid scene");
-            let estimate = finished(&said).estimate;
+            let estimate = said.finished().estimate;
             let is_worse = estimate.objective > 2.0 * was;
             assert!(
                 estimate.verdict != Verdict::Physical || is_worse,
@@ -262,7 +250,7 @@ fn a_scene_that_says_the_wrong_thing_is_not_physical() {
 #[test]
 fn a_waypoint_has_a_time_of_its_own() {
     let mut said = strike(&KINDS[1], &Acted::of(0.5), 8041);
-    let estimate = finished(&said).estimate;
+    let estimate = said.finished().estimate;
     let (_, joined) = said.scene.joint_trees().next().expect("a tree");
     let tree = said.scene.tree_model(joined);
     let hit_s = said.impacts_s[0];
@@ -281,7 +269,7 @@ fn a_waypoint_has_a_time_of_its_own() {
         + &goal;
     said.scene = scene_from_toml(&said.scene_toml).expect("a valid scene");
     said.mark("by", mark_s);
-    let outcome = finished(&said);
+    let outcome = said.finished();
     let found = &outcome.estimate;
     assert_eq!(found.verdict, Verdict::Physical);
     for goal in said.scene.goals_attained(found) {

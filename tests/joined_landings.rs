@@ -4,9 +4,8 @@ use enact::config::scene_from_toml;
 use enact::motion::{About, Estimate, Scene, Verdict};
 use enact::physics::contact::Frame;
 use enact::physics::tree::ForestSnapshot;
-use enact::pipeline::{Outcome, Pipeline};
 use enact_tools::replay::Program;
-use enact_tools::tree_impacts::{Acted, Strike};
+use enact_tools::tree_impacts::Acted;
 use enact_tools::tree_meetings::{Meet, Met, meet};
 use enact_tools::trees::Jointed;
 use tempfile::TempDir;
@@ -31,23 +30,12 @@ const KINDS: [Meet; 4] = [
     of(3, Jointed::Universal, 3),
 ];
 
-fn finished(strike: &Strike) -> Outcome {
-    let events = strike.events.iter().cloned();
-    let outcome = Pipeline::of(strike.scene.clone(), events).finish(&mut ());
-    outcome.expect("an estimate")
-}
-
 /// From exact samples and marks, motion and time of the impact come back.
 #[test]
 fn an_exact_sketch_gives_motion_and_landing_back() {
-    let exact = Acted {
-        distortion: 0.0,
-        noise: 0.0,
-        mark_sd_s: 0.0,
-    };
     for kind in &KINDS {
-        let strike = meet(kind, &exact, 8400);
-        let estimate = finished(&strike).estimate;
+        let strike = meet(kind, &Acted::EXACT, 8400);
+        let estimate = strike.finished().estimate;
         assert_eq!(estimate.verdict, Verdict::Physical, "{kind:?}");
         let off_s = (estimate.events[1].time_s - strike.impacts_s[0]).abs();
         // The prior on the rates at the start draws by as much.
@@ -64,7 +52,7 @@ fn rough_sketches_land_by_the_law() {
     for kind in &KINDS {
         for seed in 8410..8412 {
             let strike = meet(kind, &Acted::of(1.0), seed);
-            let estimate = finished(&strike).estimate;
+            let estimate = strike.finished().estimate;
             if estimate.verdict != Verdict::Physical {
                 continue;
             }
@@ -137,12 +125,12 @@ fn a_corner_that_pulls_is_doubted() {
 #[test]
 fn the_surface_below_is_inferred() {
     let mut strike = meet(&KINDS[0], &Acted::of(0.5), 8420);
-    let named = finished(&strike);
+    let named = strike.finished();
     assert_eq!(named.estimate.verdict, Verdict::Physical);
     let open = strike.scene_toml.replacen("]\nsurface = \"table\"", "]", 1);
     assert_ne!(open, strike.scene_toml);
     strike.scene = scene_from_toml(&open).expect("a valid scene");
-    let inferred = finished(&strike);
+    let inferred = strike.finished();
     assert_eq!(inferred.inferred, [1]);
     assert_eq!(inferred.estimate.verdict, Verdict::Physical);
     let off = inferred.estimate.objective / named.estimate.objective - 1.0;

@@ -3,10 +3,9 @@
 use enact::config::scene_from_toml;
 use enact::motion::{About, Estimate, Scene, Verdict};
 use enact::physics::tree::{ForestSnapshot, TreeState};
-use enact::pipeline::{Outcome, Pipeline};
 use enact::verify;
 use enact_tools::replay::Program;
-use enact_tools::tree_impacts::{Acted, Strike};
+use enact_tools::tree_impacts::Acted;
 use enact_tools::tree_meetings::{Meet, Met, meet};
 use enact_tools::trees::Jointed;
 use nalgebra::Vector3;
@@ -32,12 +31,6 @@ const KINDS: [Meet; 4] = [
     of(2, Jointed::Pin, Some(0.9), Met::Pendulum),
 ];
 
-fn finished(strike: &Strike) -> Outcome {
-    let events = strike.events.iter().cloned();
-    let outcome = Pipeline::of(strike.scene.clone(), events).finish(&mut ());
-    outcome.expect("an estimate")
-}
-
 fn hit_s(estimate: &Estimate) -> f64 {
     let mut free = estimate.events.iter().filter(|event| !event.is_fixed);
     free.next().expect("one impact").time_s
@@ -46,15 +39,10 @@ fn hit_s(estimate: &Estimate) -> f64 {
 /// From exact samples and marks, motion and time of the impact come back.
 #[test]
 fn an_exact_sketch_gives_motion_and_meeting_back() {
-    let exact = Acted {
-        distortion: 0.0,
-        noise: 0.0,
-        mark_sd_s: 0.0,
-    };
     for kind in &KINDS {
         for seed in 8100..8102 {
-            let strike = meet(kind, &exact, seed);
-            let estimate = finished(&strike).estimate;
+            let strike = meet(kind, &Acted::EXACT, seed);
+            let estimate = strike.finished().estimate;
             assert_eq!(estimate.verdict, Verdict::Physical, "{kind:?} {seed}");
             let off_s = (hit_s(&estimate) - strike.impacts_s[0]).abs();
             // The prior on the rates at the start draws by as much.
@@ -73,7 +61,7 @@ fn rough_sketches_meet_by_the_law() {
     for kind in &KINDS {
         for seed in 8110..8112 {
             let strike = meet(kind, &Acted::of(1.0), seed);
-            let estimate = finished(&strike).estimate;
+            let estimate = strike.finished().estimate;
             if estimate.verdict != Verdict::Physical {
                 continue;
             }
@@ -145,7 +133,7 @@ fn meets(scene: &Scene, estimate: &Estimate) {
 #[test]
 fn meetings_that_break_the_law_are_doubted() {
     let strike = meet(&KINDS[0], &Acted::of(0.5), 8120);
-    let outcome = finished(&strike);
+    let outcome = strike.finished();
     let doubts = |scene: &Scene, estimate: &Estimate| -> Vec<About> {
         let made = (&outcome.sketch, &*outcome.marks_made_s);
         let doubts = verify::joined::doubts(scene, made, estimate);
@@ -203,7 +191,7 @@ fn meetings_that_break_the_law_are_doubted() {
 #[test]
 fn a_scene_that_says_the_wrong_law_is_not_physical() {
     let right = meet(&KINDS[0], &Acted::of(0.5), 8130);
-    let estimate = finished(&right).estimate;
+    let estimate = right.finished().estimate;
     assert_eq!(estimate.verdict, Verdict::Physical);
     let mut said = right.clone();
     said.scene_toml = right
@@ -211,7 +199,7 @@ fn a_scene_that_says_the_wrong_law_is_not_physical() {
         .replace("other_feature = \"face +z\"", "other_feature = \"face -z\"");
     assert_ne!(said.scene_toml, right.scene_toml);
     said.scene = scene_from_toml(&said.scene_toml).expect("a valid scene");
-    let wrong = finished(&said).estimate;
+    let wrong = said.finished().estimate;
     assert_ne!(wrong.verdict, Verdict::Physical, "hit on the other side");
 }
 

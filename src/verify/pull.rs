@@ -11,6 +11,10 @@ pub(super) fn pulls(world: &World) -> Vec<Pull> {
     let events = world.estimate.events.iter();
     let pulls = events.filter_map(|event| {
         let law = Law::new(world.scene, world.estimate, event.event)?;
+        let count = law.contacts.as_slice().len();
+        if count == 1 {
+            return None;
+        }
         let before = |link: LinkIndex| {
             let link = &world.links[link];
             Some(link.state(link.ending_at(event.time_s)?, event.time_s))
@@ -20,7 +24,6 @@ pub(super) fn pulls(world: &World) -> Vec<Pull> {
             None => None,
         };
         let impact = law.impact(&before(law.link)?, other.as_ref())?;
-        let count = law.contacts.as_slice().len();
         of(event.event, &impact.normal_impulses_n_s[..count])
     });
     pulls.collect()

@@ -9,6 +9,7 @@ use enact::motion::{Estimate, Holds, Mark, PoseSample, Scene, Sees, Stamp, TakeE
 use enact::physics::contact::{Contact, Feature};
 use enact::physics::impact::{ContactSet, Law};
 use enact::physics::tree::{Flow, ForestSnapshot, LinkContact, Snapshot, Tree, TreeState, tableau};
+use enact::pipeline::{Outcome, Pipeline};
 use enact::write::WriteError;
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -60,6 +61,13 @@ pub struct Acted {
 }
 
 impl Acted {
+    /// The motion itself, with marks where it has its impacts.
+    pub const EXACT: Self = Self {
+        distortion: 0.0,
+        noise: 0.0,
+        mark_sd_s: 0.0,
+    };
+
     /// A usual hand, whose wander is so many times as wide.
     pub fn of(distortion: f64) -> Self {
         Self {
@@ -86,6 +94,13 @@ pub struct Strike {
 }
 
 impl Strike {
+    /// What the program makes of it.
+    pub fn finished(&self) -> Outcome {
+        let events = self.events.iter().cloned();
+        let outcome = Pipeline::of(self.scene.clone(), events).finish(&mut ());
+        outcome.expect("an estimate")
+    }
+
     /// Marks an event, so many seconds after the start.
     pub fn mark(&mut self, event: &str, time_s: f64) {
         let stamp = stamp_at(time_s);

@@ -62,8 +62,10 @@ struct Solved {
     impulses_n_s: DVector<f64>,
     /// `J`,
     jacobian: DMatrix<f64>,
-    /// and `M⁻¹ Jᵀ`.
+    /// `M⁻¹ Jᵀ`,
     response: DMatrix<f64>,
+    /// and `W`.
+    delassus: DMatrix<f64>,
 }
 
 impl ForestSnapshot<'_> {
@@ -107,7 +109,8 @@ impl ForestSnapshot<'_> {
         let met: Vec<Met> = met.collect::<Result<_, ImpactError>>()?;
         let sides: Vec<&[Side]> = met.iter().map(|met| met.sides.as_slice()).collect();
         let (jacobian, response) = self.response(&sides);
-        let rule = Rule::new(law, &met, (&jacobian, &response))?;
+        let delassus = &jacobian * &response;
+        let rule = Rule::new(law, &met, &delassus)?;
         Ok(Solved {
             impulses_n_s: rule.impulses(&met),
             frames,
@@ -115,6 +118,7 @@ impl ForestSnapshot<'_> {
             rule,
             jacobian,
             response,
+            delassus,
         })
     }
 

@@ -74,7 +74,7 @@ impl ForestSnapshot<'_> {
         let tried = solved.rule.tried(&solved.met);
         let tried: Vec<_> = tried.iter().map(response).collect();
         let (met, jacobian) = (&solved.met, &solved.jacobian);
-        let with_law = (met.as_slice(), &(jacobian * &solved.response));
+        let with_law = (met.as_slice(), &solved.delassus);
         let mut speeds = vec![DVector::zeros(2 * freedoms); met.len()];
         let mut after = DMatrix::zeros(freedoms, 2 * freedoms);
         for column in 0..freedoms {
@@ -196,7 +196,7 @@ impl Solved {
         let met = &self.met;
         let normals: Option<Vec<_>> = met.iter().map(|met| met.normal_by_tilt).collect();
         let normals = normals?;
-        let with_law = (met.as_slice(), &(&self.jacobian * &self.response));
+        let with_law = (met.as_slice(), &self.delassus);
         let steady = vec![DVector::zeros(3 * met.len()); tried];
         let columns = [0, 1].map(|tilt| {
             let by = normals.iter().map(|normals| MetChange {

@@ -31,9 +31,8 @@ impl Rule {
     pub(super) fn new(
         law: &Law,
         met: &[Met],
-        (jacobian, response): (&DMatrix<f64>, &DMatrix<f64>),
+        delassus: &DMatrix<f64>,
     ) -> Result<Self, ImpactError> {
-        let delassus = jacobian * response;
         if let [only] = met {
             let delassus: Matrix3<f64> = delassus.fixed_view::<3, 3>(0, 0).into_owned();
             let delassus = (delassus + delassus.transpose()) * 0.5;
