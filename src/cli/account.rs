@@ -10,7 +10,7 @@ use checks::checks;
 use tables::{events, held, parameters, segments};
 
 use super::output::push_line;
-use crate::report::{EstimateReport, RecordingReport, SuspectLine, plain};
+use crate::report::{RecordingReport, SuspectLine, fit_words, plain};
 
 /// How an account looks.
 #[derive(Clone, Copy, Debug, Default)]
@@ -28,7 +28,7 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
         "{}: {}, {}, {}{}\n",
         plain(&report.recording),
         coloured(estimate.verdict, style),
-        fit_words(estimate),
+        fit_words(estimate.fits, estimate.is_fit_tested),
         if estimate.determined {
             "determined"
         } else {
@@ -116,16 +116,6 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
         }
     }
     text
-}
-
-/// Whether the motion fits, in words.
-fn fit_words(estimate: &EstimateReport) -> &'static str {
-    match estimate.fits {
-        "yes" => "fits well",
-        "no" => "does not fit",
-        _ if estimate.is_fit_tested => "off beyond the noise",
-        _ => "fit not told",
-    }
 }
 
 /// What may be wrong, its likely value and how much of the misfit goes with it.

@@ -121,6 +121,10 @@ pub enum NewSceneError {
     Refused(SceneError),
 }
 
+/// What a scene says whose stamps are physical: who acts seldom keeps the tempo of a fall.
+const MEASURED: &str = "# Nobody acted it: what is left of the motion is a tracker's errors. Where somebody did, \"acted\".\n\
+                        hand = \"none\"\n";
+
 /// The text of a scene in which an object bounces on a table and lands. Fails with the reason where there is no
 /// such object, where a mesh is no solid, and where a number makes no scene.
 pub fn new_scene(of: &NewScene) -> Result<MadeScene, NewSceneError> {
@@ -197,8 +201,12 @@ pub fn new_scene(of: &NewScene) -> Result<MadeScene, NewSceneError> {
     let _ = write!(
         toml,
         "# {title}.\n# World: table at z = 0, z up.\n\nname = {quoted}\n\
-         # The motion goes on by simulation until all rests.\nsettle_s = 5\n\n\
+         # The motion goes on by simulation until all rests.\nsettle_s = 5\n{}\n\
          [timing]\nstamps = {}\n\n[[body]]\nname = {quoted}\n{}",
+        match of.stamps.as_str() {
+            "physical" => MEASURED,
+            _ => "",
+        },
         toml::Value::from(of.stamps.as_str()),
         body.keys
     );

@@ -74,6 +74,12 @@ pub(super) struct RawScene {
     pub(super) capture: Option<RawCapture>,
     /// How well the performance shows what was meant.
     pub(super) weights: Option<RawWeights>,
+    /// Whether a hand acted the motion: "acted"; "none" where the motion itself was measured, as a toss is that
+    /// cameras see. Default: it is not known, and what the flights show decides.
+    pub(super) hand: Option<Text>,
+    /// How exactly shapes and places are known: overlaps up to it are the scene's inaccuracy, and a part that is
+    /// nearer to what it hits than the one that should hit, by no more than it, is not wrong. Default: 1.
+    pub(super) tolerance_mm: Option<Number>,
     /// What moves, or is in the hand.
     #[serde(default)]
     pub(super) body: Vec<Spanned<RawBody>>,

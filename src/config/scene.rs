@@ -18,15 +18,23 @@ use super::rest::{rest_goals, split};
 use super::solid::{SizeLimits, shape};
 use super::spanned::Spanned;
 use crate::math::Pose;
-use crate::motion::{FreeBody, Obstacle, Scene, Surface, Timing, Track, VelocityGaps, Weights};
+use crate::motion::{
+    FreeBody, Hand, Obstacle, Scene, Surface, Timing, Track, VelocityGaps, Weights,
+};
 use crate::physics::contact;
 
 const STANDARD_GRAVITY_M_S2: Vector3<f64> = Vector3::new(0.0, 0.0, -9.80665);
 const MARKS_TOPIC: &str = "/marks";
 const TEMPO_SD_PER_SQRT_S: f64 = 0.5;
-const WEIGHTS: Weights = Weights {
+/// What a hand leaves.
+const ACTED: Weights = Weights {
     position_m: 0.01,
     orientation_rad: 0.1,
+};
+/// What cameras and tags leave of a motion that nobody acted.
+const MEASURED: Weights = Weights {
+    position_m: 0.001,
+    orientation_rad: 0.01,
 };
 
 /// Greatest gravity [m/s²]; a larger one suggests a wrong unit.
@@ -34,6 +42,9 @@ const GRAVITY_LIMIT_M_S2: f64 = 1e3;
 
 /// Longest simulation past the sketch \[s\].
 const SETTLE_LIMIT_S: f64 = 60.0;
+
+/// Least exactness of shapes and places \[m\].
+const TOLERANCE_LIMIT_M: f64 = 0.1;
 
 const OBSTACLE_SIZE: SizeLimits = SizeLimits {
     least_m: 1e-4,
@@ -48,7 +59,8 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         Some(text) => topic("marks_topic", text)?,
         None => MARKS_TOPIC.into(),
     };
-    let weights = weights(raw.weights.as_ref())?;
+    let hand = hand(raw.hand.as_ref())?;
+    let weights = weights(raw.weights.as_ref(), hand)?;
     let bodies = bodies(raw, &marks_topic, &weights)?;
     let mut obstacles = obstacles(&raw.obstacle)?;
     let mut surfaces = surfaces(&raw.surface, &mut obstacles)?;
@@ -72,6 +84,8 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         cones: Vec::new(),
         velocity_gaps: velocity_gaps(raw.velocity_gaps.as_ref())?,
         weights,
+        hand,
+        tolerance_m: tolerance_m(raw.tolerance_mm.as_ref())?,
         settle_s: settle_s(raw.settle_s.as_ref())?,
     };
     for (body, tracks, link_from_given) in bodies {
@@ -194,8 +208,25 @@ fn velocity_gaps(raw: Option<&Text>) -> Result<VelocityGaps, Fault> {
     }
 }
 
-fn weights(raw: Option<&RawWeights>) -> Result<Weights, Fault> {
-    let mut weights = WEIGHTS;
+fn hand(raw: Option<&Text>) -> Result<Hand, Fault> {
+    let Some(text) = raw else {
+        return Ok(Hand::Unsaid);
+    };
+    match text.get_ref().as_str() {
+        "acted" => Ok(Hand::Acted),
+        "none" => Ok(Hand::None),
+        other => fault(
+            text.span(),
+            format!("hand is {other:?}, expected \"acted\" or \"none\""),
+        ),
+    }
+}
+
+fn weights(raw: Option<&RawWeights>, hand: Hand) -> Result<Weights, Fault> {
+    let mut weights = match hand {
+        Hand::None => MEASURED,
+        Hand::Acted | Hand::Unsaid => ACTED,
+    };
     if let Some(number) = raw.and_then(|raw| raw.position_mm.as_ref()) {
         weights.position_m = positive("position_mm", number)? / 1e3;
     }
@@ -203,6 +234,22 @@ fn weights(raw: Option<&RawWeights>) -> Result<Weights, Fault> {
         weights.orientation_rad = positive("orientation_deg", number)?.to_radians();
     }
     Ok(weights)
+}
+
+fn tolerance_m(raw: Option<&Number>) -> Result<f64, Fault> {
+    let Some(number) = raw else {
+        return Ok(Scene::TOLERANCE_M);
+    };
+    let tolerance_m = positive("tolerance_mm", number)? / 1e3;
+    if tolerance_m > TOLERANCE_LIMIT_M {
+        let most_mm = 1e3 * TOLERANCE_LIMIT_M;
+        let message = format!(
+            "tolerance_mm is {}, expected {most_mm} at most",
+            1e3 * tolerance_m
+        );
+        return fault(number.span(), message);
+    }
+    Ok(tolerance_m)
 }
 
 fn settle_s(raw: Option<&Number>) -> Result<Option<f64>, Fault> {

@@ -4,11 +4,13 @@
 //! (`alone`). How much worse they fit together is compared with what errors of the samples explain:
 //! white noise and a wander of the hand, as the flights by themselves show it
 //! ([`noise`](super::covariance::noise)). Each event is tested (`event`), so that the answer names
-//! where flights and model disagree.
+//! where flights and model disagree. A flight that ends at no such event is tested by itself (`flight`).
 
 mod alone;
 mod event;
+mod flight;
 pub(super) mod hand;
+mod part;
 mod score;
 mod suspects;
 
@@ -17,15 +19,16 @@ use std::collections::BTreeSet;
 use nalgebra::Vector3;
 
 use self::alone::Alone;
-use self::event::EventTest;
-use self::hand::{Hand, Kind};
+use self::part::PartTest;
 use self::suspects::{Errors, Which};
 use super::context::SolveContext;
 use super::covariance::bins::{Bins, Residuals, Six};
 use super::covariance::noise::mean_squares;
 use super::problem::{Problem, View};
 use super::recipe::Solution;
-use crate::motion::{Fit, Fits, Observer, Scene, Segment, Sketch, Suspect, Tested};
+use crate::motion::{
+    Fit, FitUntold, Fits, Hand, Observer, Place, Scene, Segment, Sketch, Suspect, Tested,
+};
 
 /// Below this probability of the data under the model they do not fit; above, they may.
 const NOT: f64 = 1e-9;
@@ -37,22 +40,25 @@ const LIKELY: f64 = 0.1;
 const SHOWN: f64 = 3.0;
 
 /// How well a solution explains its samples, of which `errors` are the residuals, arc by arc; and
-/// where it does not, what in the scene may be wrong. `None` where the objective alone determines
-/// too little to tell.
+/// where it does not, what in the scene may be wrong. Fails where samples tell too little.
 pub fn judge(
     context: &SolveContext,
     (solution, errors): (&Solution, &[Residuals]),
     posed: (&Scene, &Sketch, &[Segment]),
     observer: &mut dyn Observer,
-) -> Option<(Fit, Vec<Suspect>)> {
+) -> Result<(Fit, Vec<Suspect>), FitUntold> {
     let problem = context.problem;
-    let alone = Alone::new(context, &solution.point, &solution.system)?;
+    let alone = Alone::new(context, &solution.point, &solution.system);
+    let alone = alone.ok_or(FitUntold::FewSamples)?;
     let mut tests = tests(context, &alone, solution);
+    if tests.is_empty() {
+        return Err(FitUntold::FewSamples);
+    }
     let mut fit = Fit {
         fits: Fits::Yes,
         joint: rms(problem, errors),
         alone: rms(problem, &alone.errors),
-        events: tests.iter().map(|test| test.fit).collect(),
+        parts: tests.iter().map(|test| test.fit.clone()).collect(),
         whole: None,
     };
     let [not, well, likely] = [NOT, WELL, LIKELY].map(|bound| {
@@ -68,23 +74,25 @@ pub fn judge(
         by_noise >= WELL || is_hand && by_hand >= likely
     };
     if problem.times_are_unknown() && !is_explained(&fit) {
-        tests = kinder(context, (&alone, tests), solution)?;
-        fit.events = tests.iter().map(|test| test.fit).collect();
+        tests = kinder(context, (&alone, tests), solution).ok_or(FitUntold::FewSamples)?;
+        fit.parts = tests.iter().map(|test| test.fit.clone()).collect();
     }
     let [by_noise, by_hand] = fit.probabilities();
-    if by_noise >= WELL || tests.is_empty() {
-        return Some((fit, Vec::new()));
+    if by_noise >= WELL {
+        return Ok((fit, Vec::new()));
     }
     if farther_than_rest(problem, fit.joint[0]) {
         fit.fits = Fits::No;
-        return Some((fit, Vec::new()));
+        return Ok((fit, Vec::new()));
     }
-    let mean = |of: fn(&EventTest) -> [f64; 2]| {
+    let mean = |of: fn(&PartTest) -> [f64; 2]| {
         [0, 1].map(|kind| tests.iter().map(|test| of(test)[kind]).sum::<f64>() / tests.len() as f64)
     };
+    if problem.hand == Hand::None && by_hand >= WELL {
+        return Ok((fit, Vec::new()));
+    }
     let bins = Bins::new(problem, &solution.point);
-    let wander = mean(|test| test.wander);
-    let hands = Kind::ALL.map(|kind| Hand::of_variance(&bins, kind, wander[kind as usize]));
+    let hands = part::hands_like(context, &bins, mean(|test| test.wander));
     let noise = Errors {
         white: mean(|test| test.white),
         hands: &hands,
@@ -108,26 +116,40 @@ pub fn judge(
         Vec::new()
     };
     fit.fits = match () {
-        () if by_hand < not => Fits::No,
+        () if by_hand < not || problem.hand == Hand::None => Fits::No,
         () if is_hand && by_hand >= well && suspects.is_empty() => Fits::Yes,
         () => Fits::Unknown,
     };
-    Some((fit, suspects))
+    Ok((fit, suspects))
 }
 
-/// The events' tests, at the flights by themselves or as predicted at the motion.
-fn tests(context: &SolveContext, alone: &Alone, solution: &Solution) -> Vec<EventTest> {
-    let events = 0..context.problem.event_is_free.len();
+/// The tests of events, at the flights by themselves or as predicted at the motion, and of flights that end at none of
+/// these.
+fn tests(context: &SolveContext, alone: &Alone, solution: &Solution) -> Vec<PartTest> {
+    let problem = context.problem;
+    let events = 0..problem.event_is_free.len();
     let test = |event| event::test(context, alone, (event, &solution.multipliers));
-    events.filter_map(test).collect()
+    let mut tests: Vec<PartTest> = events.filter_map(test).collect();
+    let is_tested = |arc: usize| {
+        let mut places = tests.iter().map(|test| &test.fit.place);
+        places.any(|place| matches!(place, Place::Event(event) if event::flights(problem, *event).contains(&arc)))
+    };
+    let lone: Vec<usize> = (0..problem.arcs.len())
+        .filter(|arc| !is_tested(*arc))
+        .collect();
+    let of_flights = lone
+        .into_iter()
+        .filter_map(|arc| flight::test(context, alone, arc));
+    tests.extend(of_flights);
+    tests
 }
 
 /// The tests with the kinder answers of those at the flights by themselves and of those at the motion.
 fn kinder(
     context: &SolveContext,
-    (alone, mut tests_alone): (&Alone, Vec<EventTest>),
+    (alone, mut tests_alone): (&Alone, Vec<PartTest>),
     solution: &Solution,
-) -> Option<Vec<EventTest>> {
+) -> Option<Vec<PartTest>> {
     let predicted = Alone::predicted(context, &solution.point, &solution.system, &alone.errors)?;
     let better = |test: &mut Tested, other: Tested| {
         if other.probability > test.probability {

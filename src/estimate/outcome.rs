@@ -12,8 +12,9 @@ use super::problem::{Problem, TimeSide, View, unit};
 use super::recipe::Solution;
 use super::timing;
 use crate::motion::{
-    ArcEstimate, AtBound, Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, Measured,
-    ParameterEstimate, Progress, Reason, SampleTime, Scene, SegmentResidual, Sketch, Verdict,
+    ArcEstimate, AtBound, Counters, DurationEstimate, End, Estimate, EventEstimate, FitUntold, Gap,
+    Measured, ParameterEstimate, Progress, Reason, SampleTime, Scene, SegmentResidual, Sketch,
+    Verdict,
 };
 use crate::optimise::System;
 use crate::optimise::finish::Finished;
@@ -82,7 +83,7 @@ pub fn estimate(
                 upper: free.upper,
             })
             .collect(),
-        fit: None,
+        fit: Err(FitUntold::NotAsked),
         suspects: Vec::new(),
         rivals: 0,
         contact_rivals: Vec::new(),

@@ -156,6 +156,7 @@ impl Problem {
                 } => Some(tempo_sd_per_sqrt_s / nodes.samples_each.sqrt()),
             },
             nodes_acted_s: nodes.acted_s,
+            hand: scene.hand,
             position_unit_m: scene.weights.position_m,
             orientation_unit_rad: scene.weights.orientation_rad,
             keeps_starts: scene.is_keyframed(sketch),

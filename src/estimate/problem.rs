@@ -10,7 +10,7 @@ use super::influence::{Acting, Role};
 use super::pull::Pull;
 use crate::math::Pose;
 use crate::motion::held::StateCovariance;
-use crate::motion::{Cone, FreeParameter, HeldMotion, MechanismIndex, Stamp, TrackIndex};
+use crate::motion::{Cone, FreeParameter, Hand, HeldMotion, MechanismIndex, Stamp, TrackIndex};
 use crate::physics::Dynamics;
 use crate::physics::impact::{ContactSet, Law};
 
@@ -451,6 +451,8 @@ pub struct Problem {
     /// Strength `σ` of the tempo prior [1/√s], smaller where a node stands for several samples;
     /// `None` where physical times are the acted ones.
     pub tempo_sd_per_sqrt_s: Option<f64>,
+    /// Whether a hand acted the performance.
+    pub hand: Hand,
     /// One unit of position residual \[m\].
     pub position_unit_m: f64,
     /// One unit of orientation residual \[rad\].

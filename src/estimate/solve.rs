@@ -17,7 +17,8 @@ use super::point::Point;
 use super::problem::Problem;
 use super::recipe::{self, Recipe, Solution};
 use crate::motion::{
-    Counters, Estimate, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps, Verdict,
+    Counters, Estimate, FitUntold, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps,
+    Verdict,
 };
 use crate::optimise::{Program, Work};
 
@@ -35,9 +36,10 @@ pub struct Solved {
 
 impl Solved {
     /// Looks whether the motion explains the performance, and what in the scene may be wrong where it
-    /// does not. One that failed explains nothing and is not asked.
+    /// does not. One that failed explains nothing.
     pub fn judge(&mut self, performed: (&Scene, &Sketch, &[Segment]), observer: &mut dyn Observer) {
         if self.estimate.verdict == Verdict::Failed {
+            self.estimate.fit = Err(FitUntold::NoMotion);
             return;
         }
         observer.phase(Phase::Adequacy);
@@ -46,10 +48,10 @@ impl Solved {
             .context(self.epochs_s.clone(), &self.solution.point);
         let found = (&self.solution, self.errors.as_slice());
         let judged = adequacy::judge(&context, found, performed, observer);
-        if let Some((fit, suspects)) = judged {
-            self.estimate.fit = Some(fit);
+        self.estimate.fit = judged.map(|(fit, suspects)| {
             self.estimate.suspects = suspects;
-        }
+            fit
+        });
     }
 
     /// The estimate with its standard deviations and the list of undetermined quantities.

@@ -119,6 +119,8 @@ pub(super) fn scene(timing: Timing) -> Scene {
             position_m: 0.01,
             orientation_rad: 0.1,
         },
+        hand: Hand::Unsaid,
+        tolerance_m: Scene::TOLERANCE_M,
     };
     scene.add(FreeBody {
         name: "rod".into(),

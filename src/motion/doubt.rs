@@ -149,6 +149,19 @@ impl About {
         }
     }
 
+    /// Whether it says how far the motion is from its samples.
+    pub fn is_distance(self) -> bool {
+        matches!(
+            self,
+            About::Residual
+                | About::Orientation
+                | About::Alone
+                | About::Misfit
+                | About::Ambiguity
+                | About::Keyframes
+        )
+    }
+
     /// The best verdict that it permits: `physical` where it is only reported, `failed` where no
     /// hand moves so.
     pub fn best(self) -> Verdict {

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::contact_rival::ContactRival;
 use super::doubt::Doubt;
-use super::fit::Fit;
+use super::fit::{Fit, FitUntold, Fits};
 use super::held::HeldEstimate;
 use super::index::{LinkIndex, MechanismIndex, TrackIndex};
 use super::joined::TreeEstimate;
@@ -252,6 +252,16 @@ impl Estimate {
         (rms(0), rms(1))
     }
 
+    /// Whether the motion explains its performance: one that failed, or is doubted for its distance from the samples,
+    /// does not. Unknown where nothing tells.
+    pub fn fits(&self) -> Fits {
+        let is_far = self.doubts.iter().any(|doubt| doubt.about.is_distance());
+        if self.verdict == Verdict::Failed || is_far {
+            return Fits::No;
+        }
+        self.fit.as_ref().map_or(Fits::Unknown, |fit| fit.fits)
+    }
+
     /// The motion of a link in the hand.
     pub fn held_motion(&self, link: LinkIndex) -> Option<&HeldEstimate> {
         self.held.iter().find(|held| held.link == link)
@@ -347,9 +357,8 @@ pub struct Estimate {
     pub residuals: Vec<SegmentResidual>,
     /// Physical time of every used sample of a flight, track by track.
     pub sample_times: Vec<SampleTime>,
-    /// How well the motion explains the performance; `None` where the performance does not tell, or
-    /// checks were not asked for.
-    pub fit: Option<Fit>,
+    /// How well the motion explains the performance, or why nothing tells that; [`Estimate::fits`] is the answer.
+    pub fit: Result<Fit, FitUntold>,
     /// What may be wrong in the scene where it does not, the likeliest first.
     pub suspects: Vec<Suspect>,
     /// Number of other motions that were found and are as near to the keyframes; zero where the

@@ -1,5 +1,6 @@
 //! Whether a motion explains its performance.
 
+use super::doubt::Place;
 use super::scene::Quantity;
 
 /// Whether the samples agree with the motion.
@@ -34,8 +35,9 @@ pub struct Fit {
     pub joint: [f64; 2],
     /// The same of every flight by itself, without contacts, impacts and goals; of joined bodies, what white noise makes.
     pub alone: [f64; 2],
-    /// The test at each event where flights meet or goals hold, in order of time.
-    pub events: Vec<EventFit>,
+    /// The test at each event where flights meet or goals hold, in order of time, then that of each
+    /// flight that ends at none of them.
+    pub parts: Vec<PartFit>,
     /// The test of the motion as a whole, of joined bodies.
     pub whole: Option<WholeFit>,
 }
@@ -55,11 +57,12 @@ pub struct WholeFit {
     pub untold: Vec<Quantity>,
 }
 
-/// The test of whether the flights about an event, each by itself, agree with what must hold there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EventFit {
-    /// Index into `Scene::events`.
-    pub event: usize,
+/// The test of a part of a motion: whether the flights about an event, each by itself, agree with what must
+/// hold there; or whether what is left of a flight by itself has the shape of errors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartFit {
+    /// The event or the flight.
+    pub place: Place,
     /// Under white noise alone.
     pub by_noise: Tested,
     /// Under white noise and a wander of the hand.
@@ -82,23 +85,58 @@ pub struct Tested {
 }
 
 impl Fit {
-    /// Whether the flights show a wander of the hand at an event, with so great a logarithm of the odds.
+    /// Whether the flights show a wander of the hand somewhere, with so great a logarithm of the odds.
     pub fn shows_wander(&self, log_odds: f64) -> bool {
-        let mut events = self.events.iter();
-        events.any(|event| event.log_odds_of_wander > log_odds)
+        let mut parts = self.parts.iter();
+        parts.any(|part| part.log_odds_of_wander > log_odds)
     }
 
-    /// Probability that some event's statistic is as improbable under a right model (Bonferroni),
-    /// by noise and by a hand's wander; one without events.
+    /// Probability that some part's statistic is as improbable under a right model (Bonferroni),
+    /// by noise and by a hand's wander; one without parts.
     pub fn probabilities(&self) -> [f64; 2] {
-        let count = self.events.len() as f64;
-        let least = |of: fn(&EventFit) -> f64| {
-            let least = self.events.iter().map(of).fold(1.0, f64::min);
+        let count = self.parts.len() as f64;
+        let least = |of: fn(&PartFit) -> f64| {
+            let least = self.parts.iter().map(of).fold(1.0, f64::min);
             (least * count).min(1.0)
         };
         [
-            least(|event| event.by_noise.probability),
-            least(|event| event.by_hand.probability),
+            least(|part| part.by_noise.probability),
+            least(|part| part.by_hand.probability),
         ]
+    }
+}
+
+/// Why nothing tells whether a motion explains its performance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FitUntold {
+    /// Nobody asked.
+    NotAsked,
+    /// There is no motion.
+    NoMotion,
+    /// The observer ended it before it was told.
+    Stopped,
+    /// Samples are too few, or tell too little of what may move.
+    FewSamples,
+    /// Joined bodies move beside others: how often the answer would be right is not known.
+    SeveralMove,
+    /// Joined bodies move in a tempo that is not known: how often the answer would be right is not known.
+    UnknownTempo,
+}
+
+impl FitUntold {
+    /// The reason, as a sentence without its end.
+    pub fn sentence(self) -> &'static str {
+        match self {
+            FitUntold::NotAsked => "nobody asked whether the motion fits",
+            FitUntold::NoMotion => "there is no motion that could fit",
+            FitUntold::Stopped => "time ended before it was told whether the motion fits",
+            FitUntold::FewSamples => "samples are too few to tell whether the motion fits",
+            FitUntold::SeveralMove => {
+                "joined bodies move beside others, and of these nothing tells whether the motion fits"
+            }
+            FitUntold::UnknownTempo => {
+                "of joined bodies in a tempo that is not known nothing tells whether the motion fits"
+            }
+        }
     }
 }

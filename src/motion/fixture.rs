@@ -3,9 +3,9 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::{
-    ArcEstimate, Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, MechanismIndex,
-    ParameterEstimate, Progress, Sample, SampleCounts, SampleTime, Scene, SegmentResidual, Sketch,
-    Stamp, TrackIndex, TrackSketch, Undetermined, Verdict,
+    ArcEstimate, Counters, DurationEstimate, End, Estimate, EventEstimate, FitUntold, Gap,
+    MechanismIndex, ParameterEstimate, Progress, Sample, SampleCounts, SampleTime, Scene,
+    SegmentResidual, Sketch, Stamp, TrackIndex, TrackSketch, Undetermined, Verdict,
 };
 use crate::config::scene_from_toml;
 use crate::physics::State;
@@ -101,7 +101,7 @@ pub(crate) fn estimate() -> Estimate {
         verdict: Verdict::Physical,
         reason: End::Converged(Progress::default()).into(),
         doubts: Vec::new(),
-        fit: None,
+        fit: Err(FitUntold::NotAsked),
         suspects: Vec::new(),
         objective: 1.5,
         gravity_m_s2: Vector3::new(0.0, 0.0, -9.80665),

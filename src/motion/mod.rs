@@ -46,7 +46,7 @@ pub use estimate::{
     ParameterEstimate, SegmentResidual, Undetermined,
 };
 pub use fall::{Fall, acceleration, falls};
-pub use fit::{EventFit, Fit, Fits, Tested, WholeFit};
+pub use fit::{Fit, FitUntold, Fits, PartFit, Tested, WholeFit};
 pub use guess::{ArcGuess, Guess};
 pub use held::{Driven, HeldMotion};
 pub use index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
@@ -60,9 +60,9 @@ pub use sample_time::SampleTime;
 pub use scene::{
     Against, Axes, BodyPoint, Collision, CollisionError, Combination, Condition, Cone, ContactLaw,
     Event, EventKind, EventTime, Feature, FreeBody, FreeParameter, Goal, GoalEstimate,
-    GoalQuantity, GoalSet, GoalTarget, GoalUnit, Held, Joint, JointEnd, JointTree, Link, Mechanism,
-    Moment, Obstacle, Partner, Quantity, RestGoal, Scene, Sees, Surface, Timing, Together,
-    Touching, Track, TreeTouch, Untold, VelocityGaps, Weighing, Weights,
+    GoalQuantity, GoalSet, GoalTarget, GoalUnit, Hand, Held, Joint, JointEnd, JointTree, Link,
+    Mechanism, Moment, Obstacle, Partner, Quantity, RestGoal, Scene, Sees, Surface, Timing,
+    Together, Touching, Track, TreeTouch, Untold, VelocityGaps, Weighing, Weights,
 };
 pub use settled::{Settled, SettledLink};
 pub use sketch::{

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use super::markup::list;
 use super::said::Said;
 use super::svg::{escaped, worded};
+use crate::report::fit_words;
 use crate::report::units::{deviation_ms, seconds};
 
 /// A fact at the top: what it is of, its sign and words, and how good it is.
@@ -15,14 +16,13 @@ pub(super) fn facts(said: &Said) -> String {
         "failed" => ("bad", "✗", "failed"),
         other => ("fair", "?", other),
     };
+    let is_told = said.fit_tested.unwrap_or(false);
+    let words = fit_words(&said.fits, is_told);
     let fit = match said.fits.as_str() {
-        "yes" => ("good", "✓", "fits well"),
-        "no" => ("bad", "✗", "does not fit"),
-        _ => match said.fit_tested {
-            Some(true) => ("fair", "≈", "off beyond the noise"),
-            Some(false) => ("fair", "?", "fit not told"),
-            None => ("fair", "?", "fit not known"),
-        },
+        "yes" => ("good", "✓", words),
+        "no" => ("bad", "✗", words),
+        _ if is_told => ("fair", "≈", words),
+        _ => ("fair", "?", words),
     };
     let determined = match said.determined {
         true => ("good", "✓", "determined"),

@@ -21,8 +21,8 @@ pub(super) fn free(
     let mut freed = Vec::new();
     while freed.len() < MOST {
         let estimate = &performed.inferred.solved.estimate;
-        let fits = estimate.fit.as_ref().map_or(Fits::Yes, |fit| fit.fits);
-        let is_needed = fits == Fits::No || fits == Fits::Unknown && freed.is_empty();
+        let fits = estimate.fit.as_ref().map(|fit| fit.fits);
+        let is_needed = fits == Ok(Fits::No) || fits == Ok(Fits::Unknown) && freed.is_empty();
         let Some(culprit) = culprit(estimate).filter(|_| is_needed).cloned() else {
             break;
         };

@@ -97,7 +97,7 @@ impl EstimateReport {
         Self {
             scene: scene.name.clone(),
             verdict: estimate.verdict.as_str(),
-            fits: fits(estimate).as_str(),
+            fits: estimate.fits().as_str(),
             is_fit_tested: is_fit_tested(estimate),
             fit_note: fit_note(estimate),
             not_told: not_told(scene, estimate),
@@ -132,9 +132,9 @@ impl EstimateReport {
         }
     }
 
-    /// Whether nothing speaks against the motion: it is physical, and not known not to fit.
+    /// Whether nothing speaks against the motion: it is physical, not known not to fit, and nothing is suspected.
     pub fn is_good(&self) -> bool {
-        self.is_physical() && self.fits != Fits::No.as_str()
+        self.is_physical() && self.fits != Fits::No.as_str() && self.suspects.is_empty()
     }
 
     /// Whether the motion may be called physical.
@@ -146,15 +146,10 @@ impl EstimateReport {
 /// Whether it was asked whether a motion fits, and could be told: where noise explains what is left of joined bodies and it is
 /// unknown all the same, samples have no power to tell.
 fn is_fit_tested(estimate: &Estimate) -> bool {
-    estimate.fit.as_ref().is_some_and(|fit| {
+    estimate.fit.as_ref().is_ok_and(|fit| {
         let is_noise = fit.whole.as_ref().is_some_and(|whole| whole.is_noise);
         fit.fits != Fits::Unknown || !is_noise
     })
-}
-
-/// Whether a motion fits; unknown where that was not tested, or could not be.
-fn fits(estimate: &Estimate) -> Fits {
-    estimate.fit.as_ref().map_or(Fits::Unknown, |fit| fit.fits)
 }
 
 fn acted_s(sketch: &Sketch) -> f64 {

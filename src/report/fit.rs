@@ -1,15 +1,25 @@
-//! What the answer whether joined bodies fit rests on, in words.
+//! The answer whether a motion fits, in words, and what it rests on.
 
-use crate::motion::{Estimate, Fits, Scene, Verdict, WholeFit};
+use crate::motion::{Estimate, Fits, Scene, WholeFit};
 
-/// Why it is not told or not known whether a motion of joined bodies fits, and what a wander hides where it is said to fit; none
-/// where the answer says it all, and of bodies by themselves.
-pub(super) fn fit_note(estimate: &Estimate) -> Option<String> {
-    if estimate.trees.is_empty() || estimate.verdict == Verdict::Failed {
-        return None;
+/// The answer for people: whether a motion fits (`fits` as files have it), and whether that was told.
+pub fn fit_words(fits: &str, is_tested: bool) -> &'static str {
+    match fits {
+        "yes" => "fits well",
+        "no" => "does not fit",
+        _ if is_tested => "off beyond the noise",
+        _ => "fit not told",
     }
-    let Some(fit) = &estimate.fit else {
-        return Some("samples are too few to tell whether it fits".to_owned());
+}
+
+/// Why it is not told or not known whether a motion fits, and what a wander hides where joined bodies are said to fit;
+/// none where the answer says it all.
+pub(super) fn fit_note(estimate: &Estimate) -> Option<String> {
+    let fit = match &estimate.fit {
+        // What failed or is too far says so by its doubts and its reason.
+        _ if estimate.fits() == Fits::No => return None,
+        Err(untold) => return Some(untold.sentence().to_owned()),
+        Ok(fit) => fit,
     };
     let whole = fit.whole.as_ref()?;
     match fit.fits {
@@ -42,7 +52,8 @@ fn hidden(whole: &WholeFit) -> String {
 
 /// Names of what samples would tell nothing of, were it wrong.
 pub(super) fn not_told(scene: &Scene, estimate: &Estimate) -> Vec<String> {
-    let whole = estimate.fit.as_ref().and_then(|fit| fit.whole.as_ref());
+    let fit = estimate.fit.as_ref().ok();
+    let whole = fit.and_then(|fit| fit.whole.as_ref());
     let untold = whole.iter().flat_map(|whole| &whole.untold);
     untold.map(|of| scene.name_of_quantity(*of)).collect()
 }

@@ -39,6 +39,7 @@ pub use checks::{BalanceLine, CheckLine, DeviationLine, OverlapLine, ShotLine, T
 pub use diagnoses::DiagnosisLine;
 pub use doubts::{DoubtLine, gravest};
 pub use estimate::EstimateReport;
+pub use fit::fit_words;
 pub use goals::GoalLine;
 pub use held::HeldLine;
 pub use message::{ArcLine, EstimateMessage, REPORT_SCHEMA, json};

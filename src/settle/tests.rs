@@ -4,7 +4,7 @@ use nalgebra::UnitQuaternion;
 
 use super::*;
 use crate::config::scene_from_toml;
-use crate::motion::{ArcEstimate, Counters, DurationEstimate, End, Progress, Verdict};
+use crate::motion::{ArcEstimate, Counters, DurationEstimate, End, FitUntold, Progress, Verdict};
 use crate::physics::Drag;
 
 const TABLE_AND_WALL: &str = r#"
@@ -40,7 +40,7 @@ pub(super) fn estimate(scene: &Scene, state: State) -> Estimate {
         verdict: Verdict::Physical,
         reason: End::Converged(Progress::default()).into(),
         doubts: Vec::new(),
-        fit: None,
+        fit: Err(FitUntold::NotAsked),
         suspects: Vec::new(),
         objective: 0.0,
         gravity_m_s2: scene.gravity_m_s2,

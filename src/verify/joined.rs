@@ -9,7 +9,7 @@
 //! | impulse by which one of several contacts pulls, of the greatest | 10⁻⁶ | rounding |
 //! | angle of a joint beyond its limits | 0.5° | what a hinge yields and a drawing rounds |
 //! | time of an event from its mark | as of bodies | |
-//! | overlap of links that no joint ties, and with the world; parts that touch before what is named | as of bodies ([`TOLERANCE_M`]) | |
+//! | overlap of links that no joint ties, and with the world; parts that touch before what is named | as of bodies ([`Scene::tolerance_m`]) | |
 
 mod again;
 mod flights;
@@ -21,7 +21,7 @@ pub(super) use link::JoinedLink;
 use super::credible::kinematics::{SPEED_M_S, SPIN_RAD_S};
 use super::credible::marks;
 use super::meeting::World;
-use super::{TOLERANCE_M, overlap, touch};
+use super::{overlap, touch};
 use crate::motion::{About, Doubt, Estimate, Place, Pull, Scene, Sketch, TrackIndex, Verdict};
 use crate::physics::tree::Snapshot;
 
@@ -95,9 +95,9 @@ pub fn doubts(
         doubts.extend(flights::doubts(scene, &world, estimate));
         let mut touches = touch::touches(&world);
         let deepest = overlap::deepest(&world, &mut touches);
-        doubts.extend(deepest.map(|deepest| deepest.doubt(TOLERANCE_M)));
+        doubts.extend(deepest.map(|deepest| deepest.doubt(scene.tolerance_m)));
         let wrong = touches.iter().filter(|touch| touch.is_wrong);
-        doubts.extend(wrong.map(|touch| touch.doubt(TOLERANCE_M)));
+        doubts.extend(wrong.map(|touch| touch.doubt(scene.tolerance_m)));
     }
     doubts
 }

@@ -26,6 +26,5 @@ mod tests;
 mod touch;
 mod whole;
 
-pub use overlap::TOLERANCE_M;
 pub use rest::{is_met, lies, up_name};
 pub use whole::{touches, verify};

@@ -12,10 +12,6 @@ use super::meeting::{Meeting, Partner, World};
 use crate::motion::{Penetration, Touch};
 use crate::physics::contact::Feature;
 
-/// Overlaps up to this depth are attributed to the scene's inaccuracy \[m\]: sizes and places of
-/// bodies and obstacles are typed in tenths of a millimetre or measured with a ruler.
-pub const TOLERANCE_M: f64 = 1e-3;
-
 /// Way travelled between two distance queries inside an overlap \[m\].
 const RESOLUTION_M: f64 = 2.5e-4;
 
@@ -55,6 +51,8 @@ struct OverlapScan<'w, 'm> {
     expected: Vec<usize>,
     /// Expected features of the partner, if it is a body.
     expected_of_partner: Vec<usize>,
+    /// Overlaps up to this depth are attributed to the scene's inaccuracy \[m\].
+    tolerance_m: f64,
 }
 
 impl<'w, 'm> OverlapScan<'w, 'm> {
@@ -74,6 +72,7 @@ impl<'w, 'm> OverlapScan<'w, 'm> {
                 }
                 Partner::Plane { .. } | Partner::Obstacle { .. } => Vec::new(),
             },
+            tolerance_m: world.scene.tolerance_m,
         }
     }
 
@@ -81,7 +80,7 @@ impl<'w, 'm> OverlapScan<'w, 'm> {
         let Meeting { from_s, to_s, .. } = *self.meeting;
         let speed_m_s = self.meeting.speed_bound_m_s().max(f64::MIN_POSITIVE);
         let mut deepest: Option<Penetration> = None;
-        let mut threshold_m = TOLERANCE_M - RESOLUTION_M;
+        let mut threshold_m = self.tolerance_m - RESOLUTION_M;
         let mut time_s = from_s;
         loop {
             let least_m = self.meeting.least_gap_m(time_s);
@@ -104,7 +103,7 @@ impl<'w, 'm> OverlapScan<'w, 'm> {
             time_s = (time_s + step_s).min(to_s);
         }
         let refined = self.refined(deepest?.time_s, RESOLUTION_M / speed_m_s);
-        (refined.depth_m > TOLERANCE_M).then_some(refined)
+        (refined.depth_m > self.tolerance_m).then_some(refined)
     }
 
     fn look(&self, time_s: f64) -> Look {

@@ -3,11 +3,11 @@
 use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
-use super::{TOLERANCE_M, verify};
+use super::verify;
 use crate::config::scene_from_toml;
 use crate::motion::{
-    About, Against, ArcEstimate, Counters, DurationEstimate, End, Estimate, EventEstimate, Gap,
-    LinkIndex, MechanismIndex, Penetration, Progress, Scene, Verdict,
+    About, Against, ArcEstimate, Counters, DurationEstimate, End, Estimate, EventEstimate,
+    FitUntold, Gap, LinkIndex, MechanismIndex, Penetration, Progress, Scene, Verdict,
 };
 use crate::physics::impact::{Law, Side};
 use crate::physics::{Drag, State, flow};
@@ -80,7 +80,7 @@ fn estimate(scene: &Scene, arcs: Vec<ArcEstimate>, events_s: &[f64]) -> Estimate
         verdict: Verdict::Physical,
         reason: End::Converged(Progress::default()).into(),
         doubts: Vec::new(),
-        fit: None,
+        fit: Err(FitUntold::NotAsked),
         suspects: Vec::new(),
         objective: 0.0,
         gravity_m_s2: scene.gravity_m_s2,
@@ -134,7 +134,7 @@ fn a_dive_through_the_table_is_found_with_its_depth() {
 
 #[test]
 fn a_graze_is_no_overlap() {
-    for depth_m in [-0.1, -1e-4, 0.0, 0.9 * TOLERANCE_M] {
+    for depth_m in [-0.1, -1e-4, 0.0, 0.9 * Scene::TOLERANCE_M] {
         let (scene, state) = dive(depth_m);
         assert_eq!(deepest_of(&scene, &[state]), None, "{depth_m}");
     }
@@ -200,7 +200,7 @@ proptest! {
         let expected_m = looks.fold(f64::NEG_INFINITY, f64::max);
         let checked = verify(&scene, &estimate(&scene, vec![arc(MechanismIndex(0), state, 0.0, end_s)], &[]));
         let found_m = checked.deepest.map_or(0.0, |deepest| deepest.depth_m);
-        if expected_m > TOLERANCE_M {
+        if expected_m > Scene::TOLERANCE_M {
             prop_assert!(found_m > expected_m - 2.5e-4, "{found_m} {expected_m}");
         }
         prop_assert!(found_m <= expected_m.max(0.0) + 1e-5, "{found_m} {expected_m}");

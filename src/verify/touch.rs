@@ -2,7 +2,6 @@
 
 use super::expected;
 use super::meeting::{Meeting, World};
-use super::overlap::TOLERANCE_M;
 use crate::motion::{Against, LinkIndex, Touch};
 
 /// Number of halvings of the interval in which the first touch lies.
@@ -65,7 +64,7 @@ fn touch(
             time_s
         },
         overlap_m: 0.0,
-        is_wrong: lead_m > TOLERANCE_M && !is_expected,
+        is_wrong: lead_m > world.scene.tolerance_m && !is_expected,
         expected,
     })
 }

@@ -13,7 +13,7 @@ pub fn verify(scene: &Scene, estimate: &Estimate) -> Verification {
     let mut touches = touch::touches(&world);
     let deepest = overlap::deepest(&world, &mut touches);
     Verification {
-        tolerance_m: overlap::TOLERANCE_M,
+        tolerance_m: scene.tolerance_m,
         deepest,
         touches,
         pulls: pull::pulls(&world),

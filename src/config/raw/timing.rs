@@ -39,8 +39,8 @@ pub(in crate::config) struct RawTiming {
 #[serde(deny_unknown_fields, expecting = "a table of weights")]
 #[schemars(rename = "weights")]
 pub(in crate::config) struct RawWeights {
-    /// Of positions. Default: 10.
+    /// Of positions. Default: 10, or 1 where `hand = "none"`.
     pub(in crate::config) position_mm: Option<Number>,
-    /// Of orientations. Default: 5.73 (0.1 rad).
+    /// Of orientations. Default: 5.73 (0.1 rad), or a tenth of it where `hand = "none"`.
     pub(in crate::config) orientation_deg: Option<Number>,
 }

@@ -20,32 +20,25 @@
 //! distribution.
 
 use nalgebra::{DMatrix, DVector};
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::alone::Alone;
 use super::hand::{Hand, Kind};
+use super::part::{self, PartTest};
 use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::{self, Bins, Residuals, Six};
 use crate::estimate::covariance::noise;
 use crate::estimate::covariance::trace::Design;
 use crate::estimate::held;
+use crate::estimate::problem::Problem;
 use crate::estimate::waypoint;
 use crate::math::span::Span;
-use crate::motion::{EventFit, Tested};
+use crate::motion::Place;
 use crate::physics::state::StateTangent;
 
 /// A pivot below this share of the largest diagonal entry belongs to a row that depends on others.
 const DEPENDENT: f64 = 1e-12;
 /// A pivot below which what is free at an event depends on what else is.
 const FREE: f64 = 1e-9;
-
-/// The test with the noise that it was made under, in squared units of positions and orientations.
-pub(super) struct EventTest {
-    pub(super) fit: EventFit,
-    pub(super) white: [f64; 2],
-    /// Variances of the hand's wander.
-    pub(super) wander: [f64; 2],
-}
 
 /// Derivative and value of one row at the flights alone.
 struct Row {
@@ -59,14 +52,9 @@ pub(super) fn test(
     context: &SolveContext,
     alone: &Alone,
     (event, multipliers): (usize, &[f64]),
-) -> Option<EventTest> {
+) -> Option<PartTest> {
     let problem = context.problem;
-    let passing = waypoint::flights(problem, event);
-    let beside = problem.arcs.iter().enumerate();
-    let beside = beside.filter(|(index, arc)| {
-        arc.start == Some(event) || arc.end == Some(event) || passing.contains(index)
-    });
-    let arcs: Vec<usize> = beside.map(|(arc, _)| arc).collect();
+    let arcs = flights(problem, event);
     let rows = rows(context, alone, (event, multipliers));
     if arcs.is_empty() || rows.is_empty() {
         return None;
@@ -79,49 +67,36 @@ pub(super) fn test(
     let views = arcs.iter().flat_map(|arc| problem.views_of(*arc));
     let errors: Vec<Residuals> = views.map(|view| alone.errors[view].clone()).collect();
     let white = noise::white(&errors);
-    let absorbed = absorbed(context, alone, &bins, &design, &arcs);
-    let means = bins.mean_residuals(&errors);
-    let hands = Kind::ALL.map(|kind| {
-        let shown = (means.as_slice(), absorbed.as_slice());
-        Hand::of(&bins, kind, shown, white[kind as usize])
-    });
+    let absorbed = part::absorbed(context, alone, &bins, &design, &arcs);
+    let hands = part::hands(context, &bins, (&errors, &absorbed), white);
     let products = Products::new(context, alone, &design, &rows);
     let free = free(alone, &rows);
     let values = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.value));
-    let rows = errors
-        .iter()
-        .map(|of| 3 * of.each.len() * of.kinds.iter().filter(|is| **is).count());
-    let seen: usize = rows.sum();
+    let seen = part::seen(&errors);
     let test = |covariance: &DMatrix<f64>, noise_freedom: usize| {
         let (square, freedom) = standardised(covariance, &values, &free)?;
-        let statistic = square / freedom as f64;
-        let law = FisherSnedecor::new(freedom as f64, noise_freedom.max(1) as f64).ok()?;
-        Some(Tested {
-            statistic,
-            freedom,
-            noise_freedom,
-            probability: law.sf(statistic),
-        })
+        part::tested(square, freedom, noise_freedom)
     };
-    let absorbed_by_samples = absorbed.len();
     let by_noise = test(
         &products.covariance(white, None),
-        seen.saturating_sub(absorbed_by_samples),
+        seen.saturating_sub(absorbed.len()),
     )?;
     let by_hand = test(
         &products.covariance(white, Some(&hands)),
         bins.dimension().saturating_sub(absorbed.len()),
     )?;
-    Some(EventTest {
-        wander: [0, 1].map(|kind| hands[kind].variance),
-        white,
-        fit: EventFit {
-            event,
-            by_noise,
-            by_hand,
-            log_odds_of_wander: hands[0].log_odds.max(hands[1].log_odds),
-        },
-    })
+    let place = Place::Event(event);
+    Some(PartTest::new(place, (white, &hands), by_noise, by_hand))
+}
+
+/// The flights that begin or end at an event, and those that pass through it.
+pub(super) fn flights(problem: &Problem, event: usize) -> Vec<usize> {
+    let passing = waypoint::flights(problem, event);
+    let arcs = problem.arcs.iter().enumerate();
+    let arcs = arcs.filter(|(index, arc)| {
+        arc.start == Some(event) || arc.end == Some(event) || passing.contains(index)
+    });
+    arcs.map(|(arc, _)| arc).collect()
 }
 
 /// The event's equalities and active bounds.
@@ -156,35 +131,6 @@ fn rows(context: &SolveContext, alone: &Alone, (event, multipliers): (usize, &[f
         first += count;
     }
     rows
-}
-
-/// Directions of the bins' means that the flights' own fits absorb.
-fn absorbed(
-    context: &SolveContext,
-    alone: &Alone,
-    bins: &Bins,
-    design: &Design,
-    arcs: &[usize],
-) -> Vec<Vec<Six>> {
-    let (problem, layout) = (context.problem, context.layout);
-    let mut directions: Vec<Vec<Six>> = Vec::new();
-    if problem.times_are_unknown() {
-        for (bin, rate) in design.rates().into_iter().enumerate() {
-            let mut column = vec![[0.0; 6]; bins.count()];
-            column[bin] = rate;
-            directions.push(column);
-        }
-    }
-    let states = arcs.iter().flat_map(|arc| layout.state(problem, *arc));
-    let parameters = layout.parameters.iter().copied();
-    for unknown in states.chain(parameters) {
-        if !alone.is_unseen(unknown) {
-            let mut step = DVector::zeros(layout.size());
-            step[unknown] = 1.0;
-            directions.push(bins.means(&design.sums(&step)));
-        }
-    }
-    directions
 }
 
 /// Products of the rows' answers `X = H⁻¹ Cᵀ`, of which `S` consists.

@@ -10,13 +10,13 @@
 //! `p = 4`, orientations `p = 3`, without a corner above 0.2 Hz), the white noise's variance `σ²` and the numbers of
 //! samples `N`. The wander's size `a` is not determined well by a take, so that sizes are weighted by
 //! their restricted likelihood (Patterson and Thompson, Biometrika 58, 1971) and the mean covariance
-//! is used. Directions that the flights' own fits absorb are left out of the likelihood.
+//! is used; none is beyond sixteen weights. Directions that the flights' own fits absorb are left out of the likelihood.
 
 use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::estimate::covariance::bins::{Bins, Six};
+use crate::estimate::covariance::bins::{Bin, Bins, Six};
 use crate::math::span::Span;
 
 /// Band of a hand's wander \[Hz\], and the exponents of its power for positions and orientations.
@@ -26,6 +26,10 @@ pub(in crate::estimate) const EXPONENTS: [f64; 2] = [4.0, 3.0];
 const LINES: usize = 12;
 /// Sizes of the wander, in standard deviations of a sample's white noise.
 const SIZES: [f64; 9] = [1.0, 2.5, 6.0, 16.0, 40.0, 100.0, 250.0, 600.0, 1600.0];
+
+/// Greatest size of a wander, in units of the residuals, which are the scene's weights: what would need a hand that
+/// strays by more is no hand's doing.
+const MOST: f64 = 16.0;
 
 /// A pivot below which a direction depends on others.
 const DEPENDENT: f64 = 1e-6;
@@ -70,12 +74,14 @@ impl Hand {
         let contrasts = Contrasts::new((bins, kind), &correlation, (means, absorbed));
         let likelihood = |size: f64| contrasts.log_likelihood(floor, size * size);
         let none = likelihood(0.0);
-        let logs: Vec<f64> = SIZES.iter().map(|size| likelihood(*size)).collect();
+        let of_noise = floor.sqrt();
+        let sizes: Vec<f64> = SIZES.iter().map(|size| size.min(MOST / of_noise)).collect();
+        let logs: Vec<f64> = sizes.iter().map(|size| likelihood(*size)).collect();
         let most = logs.iter().fold(none, |most, log| most.max(*log));
         let weights: Vec<f64> = logs.iter().map(|log| (log - most).exp()).collect();
-        let prior = (SIZES.len() as f64).recip();
+        let prior = (sizes.len() as f64).recip();
         let some: f64 = weights.iter().sum::<f64>() * prior;
-        let squares = weights.iter().zip(SIZES);
+        let squares = weights.iter().zip(&sizes);
         let variance = squares.map(|(w, size)| w * size * size).sum::<f64>() * prior
             / some.max(f64::MIN_POSITIVE);
         Self {
@@ -92,6 +98,28 @@ impl Hand {
             variance,
             log_odds: 0.0,
         }
+    }
+
+    /// Slow errors of a tracker where there was no hand: as large as the scene's weights say, over half a flight.
+    pub(super) fn of_tracker(bins: &Bins) -> Self {
+        let time_s = (0.5 * bins.flight_s).max(f64::MIN_POSITIVE);
+        let count = bins.count();
+        let between = |a: &Bin, b: &Bin| match a.track == b.track {
+            true => (-(a.time_s - b.time_s).abs() / time_s).exp(),
+            false => 0.0,
+        };
+        Self {
+            correlation: DMatrix::from_fn(count, count, |row, column| {
+                between(&bins.bins[row], &bins.bins[column])
+            }),
+            variance: 1.0,
+            log_odds: 0.0,
+        }
+    }
+
+    /// Covariance of the means of two bins.
+    pub(super) fn between(&self, row: usize, column: usize) -> f64 {
+        self.variance * self.correlation[(row, column)]
     }
 
     /// `yᵀ Σ z` of the wander, of two weightings with the given sums over the bins.

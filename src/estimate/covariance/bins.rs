@@ -87,6 +87,16 @@ impl Bins {
 
     /// The bins of some arcs alone, in order of time.
     pub fn of(problem: &Problem, point: &Point, arcs: &[usize]) -> Self {
+        Self::with(problem, point, (arcs, PER_FLIGHT))
+    }
+
+    /// As many bins of one arc alone as there may be, in order of time.
+    pub fn fine(problem: &Problem, point: &Point, arc: usize) -> Self {
+        Self::with(problem, point, (&[arc], MOST))
+    }
+
+    /// The bins of some arcs with so many per flight at most.
+    fn with(problem: &Problem, point: &Point, (arcs, most): (&[usize], usize)) -> Self {
         let views = arcs.iter().flat_map(|arc| &problem.arcs[*arc].views);
         let views: Vec<&View> = views.collect();
         let mut bins: Vec<Bin> = Vec::new();
@@ -97,7 +107,7 @@ impl Bins {
         for of in all {
             let is_of = |view: &&&View| series(view) == of && !view.samples.is_empty();
             let flights = views.iter().filter(is_of).count();
-            let per_flight = (MOST / flights.max(1)).clamp(1, PER_FLIGHT);
+            let per_flight = (MOST / flights.max(1)).clamp(1, most);
             let (mut next, mut flight, mut last) = (0, 0, None);
             for view in &views {
                 let count = view.samples.len();

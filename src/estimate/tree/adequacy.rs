@@ -37,7 +37,7 @@ use self::linearised::Linearised;
 use self::trial::{Tried, tried};
 use super::problem::TreeProblem;
 use crate::motion::{
-    Fit, Fits, GoalUnit, JointTree, Observer, Quantity, Scene, Suspect, Tested, WholeFit,
+    Fit, FitUntold, Fits, GoalUnit, JointTree, Observer, Quantity, Scene, Suspect, Tested, WholeFit,
 };
 
 /// Above this probability of the data under white noise they fit.
@@ -69,13 +69,13 @@ struct Candidate {
     total: DVector<f64>,
 }
 
-/// How well a solution explains its samples, and what in the scene may be wrong where it does not. `None` where samples
+/// How well a solution explains its samples, and what in the scene may be wrong where it does not. Fails where samples
 /// are too few to tell, and where the observer stops it.
 pub(super) fn judge(
     (scene, joined): (&Scene, &JointTree),
     of: &Linearised,
     observer: &mut dyn Observer,
-) -> Option<(Fit, Vec<Suspect>)> {
+) -> Result<(Fit, Vec<Suspect>), FitUntold> {
     let Linearised {
         problem,
         active,
@@ -98,7 +98,8 @@ pub(super) fn judge(
     let totals: Vec<DVector<f64>> = candidates.iter().map(|of| of.total.clone()).collect();
     let columns = (totals.as_slice(), &linear.residuals);
     let left = errors.left(&held.free, columns, problem.information.0);
-    let by_noise = by_noise(linear, errors, &left, held.free.ncols())?;
+    let by_noise = by_noise(linear, errors, &left, held.free.ncols());
+    let by_noise = by_noise.ok_or(FitUntold::FewSamples)?;
     let is_told = |at: usize, of: &Candidate| {
         // Where not even white noise alone lets a typical change show by a standard deviation.
         left[0].products[(at, at)] * of.quantity.typical().powi(2) > 1.0
@@ -123,7 +124,7 @@ pub(super) fn judge(
     let mut suspects = Vec::new();
     for (quantity, _) in scored.into_iter().take(TRIALS) {
         if observer.should_stop() {
-            return None;
+            return Err(FitUntold::Stopped);
         }
         let Some(tried) = tried(scene, at, active, quantity) else {
             continue;
@@ -172,7 +173,7 @@ pub(super) fn judge(
         fits,
         joint,
         alone: errors.white_rms(&linear.series),
-        events: Vec::new(),
+        parts: Vec::new(),
         whole: Some(WholeFit {
             by_noise,
             is_noise,
@@ -181,7 +182,7 @@ pub(super) fn judge(
             untold: untold.iter().map(|(_, of)| of.quantity).collect(),
         }),
     };
-    Some((fit, suspects))
+    Ok((fit, suspects))
 }
 
 /// The likeliest, and those that explain the performance as well. Of the components of one thing, the one that explains

@@ -13,9 +13,9 @@ use crate::estimate::constraint::bound::at_bound;
 use crate::estimate::outcome::progress;
 use crate::estimate::problem::unit;
 use crate::motion::{
-    Counters, DurationEstimate, End, Estimate, EventEstimate, Gap, GoalUnit, LinkIndex, Mechanism,
-    MotionPart, Observer, ParameterEstimate, Reason, SampleTime, Scene, Sketch, Undetermined,
-    Verdict,
+    Counters, DurationEstimate, End, Estimate, EventEstimate, FitUntold, Gap, GoalUnit, LinkIndex,
+    Mechanism, MotionPart, Observer, ParameterEstimate, Reason, SampleTime, Scene, Sketch,
+    Undetermined, Verdict,
 };
 
 /// Share of a direction's information below which the prior says more of it than the sketch.
@@ -60,19 +60,28 @@ pub fn estimate(
         _ => None,
     };
     let is_whole = told == Told::Whole;
-    let is_judged = is_whole && verdict == Verdict::Physical && problem.tempo.is_none();
-    let judged = alone.filter(|_| is_judged);
+    let judged = match alone {
+        _ if !is_whole => Err(FitUntold::NotAsked),
+        _ if verdict != Verdict::Physical => Err(FitUntold::NoMotion),
+        _ if problem.tempo.is_some() => Err(FitUntold::UnknownTempo),
+        None => Err(FitUntold::SeveralMove),
+        Some(joined) => Ok(joined),
+    };
     let line = &solution.point.time_line(problem);
     let is_asked =
         line.is_unknown() || !problem.events.is_empty() || !problem.parameters.is_empty();
     let is_asked = is_whole && finished.converged && is_asked;
-    let linearised = (judged.is_some() || is_asked)
+    let linearised = (judged.is_ok() || is_asked)
         .then(|| Linearised::new(problem, solution))
         .flatten();
-    let (fit, suspects) = judged
-        .zip(linearised.as_ref())
-        .and_then(|(joined, of)| adequacy::judge((scene, joined), of, observer))
-        .unzip();
+    let judged = judged.and_then(|joined| {
+        let of = linearised.as_ref().ok_or(FitUntold::FewSamples)?;
+        adequacy::judge((scene, joined), of, observer)
+    });
+    let (fit, suspects) = match judged {
+        Ok((fit, suspects)) => (Ok(fit), suspects),
+        Err(untold) => (Err(untold), Vec::new()),
+    };
     let certainty = linearised.filter(|_| is_asked).and_then(Certainty::new);
     let sd_of = |moment: Vec<(usize, f64)>| certainty.as_ref()?.sd(&moment);
     let events =
@@ -148,7 +157,7 @@ pub fn estimate(
         residuals: motions.residuals,
         sample_times,
         fit,
-        suspects: suspects.unwrap_or_default(),
+        suspects,
         rivals: 0,
         contact_rivals: Vec::new(),
         undetermined,

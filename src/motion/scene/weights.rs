@@ -9,6 +9,17 @@ pub struct Weights {
     pub orientation_rad: f64,
 }
 
+/// Whether a hand acted what trackers saw: a hand wanders, by much more than a tracker's noise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hand {
+    /// Somebody acted the motion.
+    Acted,
+    /// Nobody did: the motion itself was measured, and residuals are a tracker's errors.
+    None,
+    /// The scene does not say; the flights' own residuals may show it.
+    Unsaid,
+}
+
 /// How samples are weighed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Weighing {

@@ -9,7 +9,7 @@ use super::goal::{Goal, GoalTarget};
 use super::link::{FreeBody, Link, Mechanism, Sees, Track};
 use super::parameter::{Cone, FreeParameter};
 use super::rest::RestGoal;
-use super::weights::{Weighing, Weights};
+use super::weights::{Hand, Weighing, Weights};
 use super::world::{Against, Obstacle, Surface};
 use crate::math::Pose;
 use crate::motion::index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
@@ -56,6 +56,11 @@ pub struct Scene {
     pub velocity_gaps: VelocityGaps,
     /// Units of residuals.
     pub weights: Weights,
+    /// Whether a hand acted the performance.
+    pub hand: Hand,
+    /// How exactly shapes and places are known \[m\]: overlaps up to it, and parts that are nearer by no more than it to
+    /// what they hit, are the scene's inaccuracy.
+    pub tolerance_m: f64,
     /// Longest simulation after the motion's end until it rests \[s\] (paper §6.2.3); `None`: the
     /// motion ends with the performance.
     pub settle_s: Option<f64>,
@@ -90,6 +95,10 @@ pub enum VelocityGaps {
 }
 
 impl Scene {
+    /// How exactly shapes and places are known where the scene does not say \[m\]: they are typed in tenths of a
+    /// millimetre or measured with a ruler.
+    pub const TOLERANCE_M: f64 = 1e-3;
+
     /// Adds a body.
     pub fn add(&mut self, body: FreeBody) -> LinkIndex {
         let mechanism = self.mechanisms.next_key();

@@ -67,6 +67,8 @@ fn scene() -> Scene {
             position_m: 0.01,
             orientation_rad: 0.1,
         },
+        hand: Hand::Unsaid,
+        tolerance_m: Scene::TOLERANCE_M,
     };
     scene.add(ball("red", mount));
     scene.add(ball("blue", Pose::identity()));

@@ -46,6 +46,8 @@ fn scene(bounces: usize, timing: Timing) -> Scene {
             position_m: 0.01,
             orientation_rad: 0.1,
         },
+        hand: Hand::Unsaid,
+        tolerance_m: Scene::TOLERANCE_M,
     };
     scene.add(FreeBody {
         name: "ball".into(),

@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 use super::alone::Alone;
 use super::flights::Flight;
 use super::kink::kinks;
-use crate::motion::{About, Doubt, Estimate, Place, Scene, SegmentResidual, Sketch, Timing};
+use crate::motion::{About, Doubt, Estimate, Hand, Place, Scene, SegmentResidual, Sketch, Timing};
 
 /// Greatest residual of a flight, in weights.
 const RESIDUAL: f64 = 30.0;
@@ -93,15 +93,20 @@ pub(super) fn doubts(
     }
     let is_no_hand = whole > HAND || is_no_hand(flights);
     doubts.extend(misfit(scene, &alone).filter(|_| is_no_hand));
-    doubts.extend(fall(&alone));
-    doubts.extend(direction(estimate, &alone));
+    let least_m = match scene.hand {
+        // What a tracker leaves by its slow errors tells nothing of the fall.
+        Hand::None => scene.weights.position_m,
+        Hand::Acted | Hand::Unsaid => NOTHING_M,
+    };
+    doubts.extend(fall(&alone, least_m));
+    doubts.extend(direction(estimate, &alone, least_m));
     doubts
 }
 
 /// Doubt where flights fit alone and not together: `√(joint/alone)` of the sums of squares is above
 /// its bound.
 fn misfit(scene: &Scene, alone: &Alone) -> Option<Doubt> {
-    if !is_something(alone.joint_m2, alone) {
+    if !is_something(alone.joint_m2, alone, NOTHING_M) {
         return None;
     }
     let joint_m = (alone.joint_m2 / alone.samples).sqrt();
@@ -133,14 +138,14 @@ fn is_no_hand(flights: &[Flight]) -> bool {
 }
 
 /// Doubt where the flights do not fall with the estimate's gravity.
-fn fall(alone: &Alone) -> Option<Doubt> {
-    let value = over_pulled(alone)?;
+fn fall(alone: &Alone, least_m: f64) -> Option<Doubt> {
+    let value = over_pulled(alone, least_m)?;
     Doubt::beyond(About::Fall, Place::Motion, value, FALL)
 }
 
 /// Doubt where the flights fall in another direction than gravity's.
-fn direction(estimate: &Estimate, alone: &Alone) -> Option<Doubt> {
-    let is_telling = over_pulled(alone)? > DIRECTION_FALL;
+fn direction(estimate: &Estimate, alone: &Alone, least_m: f64) -> Option<Doubt> {
+    let is_telling = over_pulled(alone, least_m)? > DIRECTION_FALL;
     let gravity_m_s2 = &estimate.gravity_m_s2;
     if !is_telling || gravity_m_s2.norm() < WEIGHTLESS_M_S2 {
         return None;
@@ -155,16 +160,16 @@ fn direction(estimate: &Estimate, alone: &Alone) -> Option<Doubt> {
 }
 
 /// Ratio of the residual of free flights to that with a free acceleration: the root of the ratio of
-/// mean squares per degree of freedom. `None` where residuals are too small.
-fn over_pulled(alone: &Alone) -> Option<f64> {
+/// mean squares per degree of freedom. `None` where residuals are less than `least_m`.
+fn over_pulled(alone: &Alone, least_m: f64) -> Option<f64> {
     let per_freedom = |squares_m2: f64, freedom: f64| squares_m2 / freedom;
-    is_something(alone.alone_m2, alone).then(|| {
+    is_something(alone.alone_m2, alone, least_m).then(|| {
         let free = per_freedom(alone.alone_m2, alone.alone_freedom);
         let pulled = per_freedom(alone.pulled_m2, alone.pulled_freedom);
         (free / pulled).sqrt()
     })
 }
 
-fn is_something(squares_m2: f64, alone: &Alone) -> bool {
-    squares_m2 > NOTHING_M * NOTHING_M * alone.samples && alone.samples > 0.0
+fn is_something(squares_m2: f64, alone: &Alone, least_m: f64) -> bool {
+    squares_m2 > least_m * least_m * alone.samples && alone.samples > 0.0
 }

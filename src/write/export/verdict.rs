@@ -1,6 +1,7 @@
 //! The verdict of an estimate that was written, without its motion.
 
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use super::super::topics;
 use super::motion::json_of;
@@ -12,7 +13,7 @@ use crate::wire::Container;
 pub struct WrittenVerdict {
     /// `physical`, `plausible` or `failed`.
     pub verdict: String,
-    /// Whether nothing speaks against the motion: it is physical, and not known not to fit.
+    /// Whether nothing speaks against the motion: it is physical, not known not to fit, and nothing is suspected.
     pub is_good: bool,
     /// What speaks against it most, else why the estimation ended, as a sentence.
     pub why: String,
@@ -24,6 +25,8 @@ struct Report {
     fits: String,
     reason: String,
     doubts: Vec<Doubt>,
+    #[serde(default)]
+    suspects: Vec<IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -49,7 +52,8 @@ impl WrittenVerdict {
         let doubt = report.doubts.into_iter().next().map(|doubt| doubt.text);
         Some(Self {
             is_good: report.verdict == Verdict::Physical.as_str()
-                && report.fits != Fits::No.as_str(),
+                && report.fits != Fits::No.as_str()
+                && report.suspects.is_empty(),
             verdict: report.verdict,
             why: doubt.unwrap_or(report.reason),
         })

@@ -431,6 +431,8 @@ impl Bouncer {
                 position_m: 0.01,
                 orientation_rad: 0.1,
             },
+            hand: Hand::Unsaid,
+            tolerance_m: Scene::TOLERANCE_M,
         };
         scene.add(cube);
         scene
