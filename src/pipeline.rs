@@ -11,6 +11,7 @@ mod follow;
 mod free;
 mod infer;
 mod joined;
+mod led;
 mod outcome;
 mod perform;
 mod preview;
@@ -22,6 +23,7 @@ mod stages;
 mod warm;
 
 use self::diagnose::diagnose;
+use self::led::Led;
 pub use self::outcome::{Outcome, PipelineError};
 use self::perform::{Performed, Prepared};
 pub use self::preview::{Preview, Previewed};
@@ -174,6 +176,10 @@ impl Pipeline {
         let mut solved = self.solved(observer)?;
         let sought = rest::seek(&mut solved, &self.events, observer);
         solved.judge(observer);
+        let led = Led::of(&solved, &self.events, observer)?;
+        if let Some(led) = &led {
+            led.clear(&mut solved);
+        }
         let mut freed = Vec::new();
         if self.is_free_auto && sought.is_none() {
             (solved, freed) = free::free(solved, &self.events, observer)?;
@@ -186,7 +192,10 @@ impl Pipeline {
             observer.phase(Phase::Verify);
             outcome.verification = Some(verify(&outcome.scene, &outcome.estimate));
             let doubts = doubts(&outcome);
-            outcome.estimate.doubt(doubts);
+            outcome.estimate.doubt(match led {
+                Some(led) => led.instead_of(doubts),
+                None => doubts,
+            });
         }
         // What was led to its rest is as far from the performance as that takes.
         if !matches!(outcome.estimate.reason.end, End::Simulated(_)) {

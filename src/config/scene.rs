@@ -19,7 +19,7 @@ use super::solid::{SizeLimits, shape};
 use super::spanned::Spanned;
 use crate::math::Pose;
 use crate::motion::{
-    FreeBody, Hand, Obstacle, Scene, Surface, Timing, Track, VelocityGaps, Weights,
+    FreeBody, Obstacle, Performer, Scene, Surface, Timing, Track, VelocityGaps, Weights,
 };
 use crate::physics::contact;
 
@@ -59,8 +59,8 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         Some(text) => topic("marks_topic", text)?,
         None => MARKS_TOPIC.into(),
     };
-    let hand = hand(raw.hand.as_ref())?;
-    let weights = weights(raw.weights.as_ref(), hand)?;
+    let performer = performer(raw.hand.as_ref())?;
+    let weights = weights(raw.weights.as_ref(), performer)?;
     let bodies = bodies(raw, &marks_topic, &weights)?;
     let mut obstacles = obstacles(&raw.obstacle)?;
     let mut surfaces = surfaces(&raw.surface, &mut obstacles)?;
@@ -84,7 +84,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         cones: Vec::new(),
         velocity_gaps: velocity_gaps(raw.velocity_gaps.as_ref())?,
         weights,
-        hand,
+        performer,
         tolerance_m: tolerance_m(raw.tolerance_mm.as_ref())?,
         settle_s: settle_s(raw.settle_s.as_ref())?,
     };
@@ -208,13 +208,13 @@ fn velocity_gaps(raw: Option<&Text>) -> Result<VelocityGaps, Fault> {
     }
 }
 
-fn hand(raw: Option<&Text>) -> Result<Hand, Fault> {
+fn performer(raw: Option<&Text>) -> Result<Performer, Fault> {
     let Some(text) = raw else {
-        return Ok(Hand::Unsaid);
+        return Ok(Performer::Unsaid);
     };
     match text.get_ref().as_str() {
-        "acted" => Ok(Hand::Acted),
-        "none" => Ok(Hand::None),
+        "acted" => Ok(Performer::Hand),
+        "none" => Ok(Performer::Nobody),
         other => fault(
             text.span(),
             format!("hand is {other:?}, expected \"acted\" or \"none\""),
@@ -222,10 +222,10 @@ fn hand(raw: Option<&Text>) -> Result<Hand, Fault> {
     }
 }
 
-fn weights(raw: Option<&RawWeights>, hand: Hand) -> Result<Weights, Fault> {
-    let mut weights = match hand {
-        Hand::None => MEASURED,
-        Hand::Acted | Hand::Unsaid => ACTED,
+fn weights(raw: Option<&RawWeights>, performer: Performer) -> Result<Weights, Fault> {
+    let mut weights = match performer {
+        Performer::Nobody => MEASURED,
+        Performer::Hand | Performer::Unsaid => ACTED,
     };
     if let Some(number) = raw.and_then(|raw| raw.position_mm.as_ref()) {
         weights.position_m = positive("position_mm", number)? / 1e3;

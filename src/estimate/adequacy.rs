@@ -24,10 +24,11 @@ use self::suspects::{Errors, Which};
 use super::context::SolveContext;
 use super::covariance::bins::{Bins, Residuals, Six};
 use super::covariance::noise::mean_squares;
+use super::point::Point;
 use super::problem::{Problem, View};
 use super::recipe::Solution;
 use crate::motion::{
-    Fit, FitUntold, Fits, Hand, Observer, Place, Scene, Segment, Sketch, Suspect, Tested,
+    Fit, FitUntold, Fits, Observer, Performer, Place, Scene, Segment, Sketch, Suspect, Tested,
 };
 
 /// Below this probability of the data under the model they do not fit; above, they may.
@@ -39,6 +40,27 @@ const LIKELY: f64 = 0.1;
 /// Logarithm of the odds above which the flights show a wander.
 const SHOWN: f64 = 3.0;
 
+/// How well a solution explains its samples.
+pub struct Judged {
+    /// The answer and what it rests on.
+    pub fit: Fit,
+    /// What in the scene may be wrong where it does not fit, the likeliest first.
+    pub suspects: Vec<Suspect>,
+    /// From where a better optimum may be found, if something hints at one.
+    pub start: Option<Point>,
+}
+
+impl From<Fit> for Judged {
+    /// An answer without suspects.
+    fn from(fit: Fit) -> Self {
+        Self {
+            fit,
+            suspects: Vec::new(),
+            start: None,
+        }
+    }
+}
+
 /// How well a solution explains its samples, of which `errors` are the residuals, arc by arc; and
 /// where it does not, what in the scene may be wrong. Fails where samples tell too little.
 pub fn judge(
@@ -46,7 +68,7 @@ pub fn judge(
     (solution, errors): (&Solution, &[Residuals]),
     posed: (&Scene, &Sketch, &[Segment]),
     observer: &mut dyn Observer,
-) -> Result<(Fit, Vec<Suspect>), FitUntold> {
+) -> Result<Judged, FitUntold> {
     let problem = context.problem;
     let alone = Alone::new(context, &solution.point, &solution.system);
     let alone = alone.ok_or(FitUntold::FewSamples)?;
@@ -79,23 +101,24 @@ pub fn judge(
     }
     let [by_noise, by_hand] = fit.probabilities();
     if by_noise >= WELL {
-        return Ok((fit, Vec::new()));
+        return Ok(fit.into());
     }
     if farther_than_rest(problem, fit.joint[0]) {
         fit.fits = Fits::No;
-        return Ok((fit, Vec::new()));
+        return Ok(fit.into());
     }
     let mean = |of: fn(&PartTest) -> [f64; 2]| {
         [0, 1].map(|kind| tests.iter().map(|test| of(test)[kind]).sum::<f64>() / tests.len() as f64)
     };
-    if problem.hand == Hand::None && by_hand >= WELL {
-        return Ok((fit, Vec::new()));
+    if problem.performer == Performer::Nobody && by_hand >= WELL {
+        return Ok(fit.into());
     }
     let bins = Bins::new(problem, &solution.point);
     let hands = part::hands_like(context, &bins, mean(|test| test.wander));
     let noise = Errors {
         white: mean(|test| test.white),
         hands: &hands,
+        is_likely: is_hand && by_hand >= likely,
         is_hand,
         is_unlikely: by_hand < well,
         is_beyond: by_hand < not,
@@ -103,24 +126,26 @@ pub fn judge(
     };
     let scored = |which| suspects::scored((context, solution), posed, (&noise, which));
     // What is dear to look into would show in something else too, gravity or an impact's law.
-    let is_open = !is_hand || by_hand < likely || !scored(Which::Cheap).is_empty();
-    let suspects = if is_open {
+    let is_open = !is_hand
+        || by_hand < likely
+        || problem.times_are_unknown()
+        || !scored(Which::Cheap).is_empty();
+    let tried = is_open.then(|| {
         let scored = scored(Which::All);
-        suspects::tried(
-            (context, solution),
-            posed,
-            (scored, &noise, &alone),
-            observer,
-        )
-    } else {
-        Vec::new()
-    };
+        let of = (scored, &noise, &alone);
+        suspects::tried((context, solution), posed, of, observer)
+    });
+    let (suspects, start) = tried.map_or((Vec::new(), None), |of| (of.suspects, of.start));
     fit.fits = match () {
-        () if by_hand < not || problem.hand == Hand::None => Fits::No,
+        () if by_hand < not || problem.performer == Performer::Nobody => Fits::No,
         () if is_hand && by_hand >= well && suspects.is_empty() => Fits::Yes,
         () => Fits::Unknown,
     };
-    Ok((fit, suspects))
+    Ok(Judged {
+        fit,
+        suspects,
+        start,
+    })
 }
 
 /// The tests of events, at the flights by themselves or as predicted at the motion, and of flights that end at none of

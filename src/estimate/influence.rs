@@ -30,6 +30,8 @@ pub enum Influence {
     ClockOffset,
     /// What is added to the stamp of one sample.
     SampleTime,
+    /// By how much later than its impact a flight begins.
+    ContactDuration,
     /// Where a surface is along its normal.
     SurfaceHeight,
     /// How a surface is turned about a tangent.
@@ -49,6 +51,8 @@ pub enum Owner {
     Sample(TrackIndex, usize),
     /// A surface (index into `Scene::surfaces`).
     Surface(usize),
+    /// What takes part in a collision, from then on (index into `Scene::events`).
+    After(usize),
 }
 
 /// A parameter with what it acts on and how.
@@ -112,6 +116,7 @@ impl Quantity {
             Quantity::ClockRate { .. } => Influence::ClockRate,
             Quantity::ClockOffset { .. } | Quantity::FlightClock { .. } => Influence::ClockOffset,
             Quantity::SampleTime { .. } => Influence::SampleTime,
+            Quantity::ContactDuration { .. } => Influence::ContactDuration,
             Quantity::SurfaceHeight { .. } => Influence::SurfaceHeight,
             Quantity::SurfaceTilt { tangent, .. } => Influence::SurfaceTilt(tangent),
         })
@@ -129,7 +134,7 @@ impl Role {
                 Owner::Track(track) | Owner::Flight(track, _) | Owner::Sample(track, _) => {
                     Some(track)
                 }
-                Owner::Link(..) | Owner::Surface(_) => None,
+                Owner::Link(..) | Owner::Surface(_) | Owner::After(_) => None,
             },
         }
     }
@@ -156,6 +161,7 @@ impl Role {
                 | Quantity::ClockOffset { track } => Owner::Track(track),
                 Quantity::FlightClock { track, flight } => Owner::Flight(track, flight),
                 Quantity::SampleTime { track, sample } => Owner::Sample(track, sample),
+                Quantity::ContactDuration { event } => Owner::After(event),
                 Quantity::SurfaceHeight { surface } | Quantity::SurfaceTilt { surface, .. } => {
                     Owner::Surface(surface)
                 }

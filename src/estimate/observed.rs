@@ -317,6 +317,7 @@ impl<'a> Observer<'a> {
                 }
                 Influence::ClockRate => by_time.map(|by| by * (stamped_s - zero_s)),
                 Influence::ClockOffset => by_time,
+                Influence::ContactDuration => by_time.map(|by| -by),
                 Influence::SampleTime if of.open == Some(acting.parameter) => {
                     by_time.map(|by| by * (1.0 + self.mount.rate))
                 }

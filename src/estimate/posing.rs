@@ -64,6 +64,12 @@ impl Problem {
                     views.any(|view| view.track == track && view.samples.contains(&of))
                 }
                 Owner::Surface(_) => false,
+                Owner::After(event) => {
+                    let collision = scene.events[event].kind.collision();
+                    let is_hit = |of| scene.takes_part(arc.mechanism, of);
+                    let is_later = |start: usize| sketch.marks_s[start] >= sketch.marks_s[event];
+                    collision.is_some_and(is_hit) && arc.start.is_some_and(is_later)
+                }
             };
             let acting = roles.iter().filter(|role| acting(role));
             let mut of_flights = acting.clone();
@@ -156,7 +162,7 @@ impl Problem {
                 } => Some(tempo_sd_per_sqrt_s / nodes.samples_each.sqrt()),
             },
             nodes_acted_s: nodes.acted_s,
-            hand: scene.hand,
+            performer: scene.performer,
             position_unit_m: scene.weights.position_m,
             orientation_unit_rad: scene.weights.orientation_rad,
             keeps_starts: scene.is_keyframed(sketch),
@@ -301,7 +307,7 @@ fn collisions(
                 Some(role.acting(Some(side)))
             }
             Owner::Surface(of) => (Some(of) == surface).then(|| role.acting(None)),
-            Owner::Track(_) | Owner::Flight(..) | Owner::Sample(..) => None,
+            Owner::Track(_) | Owner::Flight(..) | Owner::Sample(..) | Owner::After(_) => None,
         });
         let mut acting: Vec<Acting> = acting.collect();
         let is_parabola = |side: &ArcPair| {

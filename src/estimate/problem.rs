@@ -10,7 +10,9 @@ use super::influence::{Acting, Role};
 use super::pull::Pull;
 use crate::math::Pose;
 use crate::motion::held::StateCovariance;
-use crate::motion::{Cone, FreeParameter, Hand, HeldMotion, MechanismIndex, Stamp, TrackIndex};
+use crate::motion::{
+    Cone, FreeParameter, HeldMotion, MechanismIndex, Performer, Stamp, TrackIndex,
+};
 use crate::physics::Dynamics;
 use crate::physics::impact::{ContactSet, Law};
 
@@ -452,7 +454,7 @@ pub struct Problem {
     /// `None` where physical times are the acted ones.
     pub tempo_sd_per_sqrt_s: Option<f64>,
     /// Whether a hand acted the performance.
-    pub hand: Hand,
+    pub performer: Performer,
     /// One unit of position residual \[m\].
     pub position_unit_m: f64,
     /// One unit of orientation residual \[rad\].

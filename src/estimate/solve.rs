@@ -7,7 +7,7 @@ mod rivals;
 
 use std::cmp::Ordering;
 
-use super::adequacy;
+use super::adequacy::{self, Judged};
 use super::context::{Guidance, SolveContext};
 use super::covariance::bins::Residuals;
 use super::deviation;
@@ -17,8 +17,8 @@ use super::point::Point;
 use super::problem::Problem;
 use super::recipe::{self, Recipe, Solution};
 use crate::motion::{
-    Counters, Estimate, FitUntold, Guess, Observer, Phase, Scene, Segment, Sketch, VelocityGaps,
-    Verdict,
+    Counters, Estimate, FitUntold, Guess, Observer, Phase, Quiet, Scene, Segment, Sketch,
+    VelocityGaps, Verdict,
 };
 use crate::optimise::{Program, Work};
 
@@ -37,21 +37,66 @@ pub struct Solved {
 impl Solved {
     /// Looks whether the motion explains the performance, and what in the scene may be wrong where it
     /// does not. One that failed explains nothing.
+    /// Where that hints at a better optimum the motion there is looked for, and judged instead.
     pub fn judge(&mut self, performed: (&Scene, &Sketch, &[Segment]), observer: &mut dyn Observer) {
         if self.estimate.verdict == Verdict::Failed {
             self.estimate.fit = Err(FitUntold::NoMotion);
             return;
         }
         observer.phase(Phase::Adequacy);
+        let mut judged = self.judged(performed, observer);
+        let start = judged.as_mut().ok().and_then(|judged| judged.start.take());
+        if start.is_some_and(|start| self.improve(performed, start, observer)) {
+            judged = self.judged(performed, observer);
+        }
+        self.estimate.fit = judged.map(|judged| {
+            self.estimate.suspects = judged.suspects;
+            judged.fit
+        });
+    }
+
+    fn judged(
+        &self,
+        performed: (&Scene, &Sketch, &[Segment]),
+        observer: &mut dyn Observer,
+    ) -> Result<Judged, FitUntold> {
         let context = self
             .posed
             .context(self.epochs_s.clone(), &self.solution.point);
         let found = (&self.solution, self.errors.as_slice());
-        let judged = adequacy::judge(&context, found, performed, observer);
-        self.estimate.fit = judged.map(|(fit, suspects)| {
-            self.estimate.suspects = suspects;
-            fit
-        });
+        adequacy::judge(&context, found, performed, observer)
+    }
+
+    /// Solves again from a point, and takes the motion there if its objective is lower.
+    fn improve(
+        &mut self,
+        (scene, sketch, _): (&Scene, &Sketch, &[Segment]),
+        start: Point,
+        observer: &mut dyn Observer,
+    ) -> bool {
+        let Posed { problem, layout } = &self.posed;
+        let from = (start, self.epochs_s.clone());
+        let recipe = Recipe::default().from_the_last();
+        let found = recipe::solve_from(problem, layout, from, &recipe, &mut Quiet(observer));
+        let is_better = found.finished.converged && found.system.cost < self.solution.system.cost;
+        if !is_better {
+            return false;
+        }
+        let mut counters = self.estimate.counters;
+        add(&mut counters, &found.work, 1);
+        let context = self.posed.context(self.epochs_s.clone(), &found.point);
+        let errors = outcome::errors(problem, &context, &found.point);
+        let ended = (&found, errors.as_slice());
+        let estimate = outcome::estimate(scene, sketch, &context, ended, counters);
+        if estimate.verdict > self.estimate.verdict {
+            return false;
+        }
+        self.estimate = Estimate {
+            rivals: self.estimate.rivals,
+            ..estimate
+        };
+        (self.solution, self.errors) = (found, errors);
+        true
     }
 
     /// The estimate with its standard deviations and the list of undetermined quantities.

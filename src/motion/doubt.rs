@@ -51,6 +51,9 @@ pub enum About {
     AfterMark,
     /// How much earlier than its mark an event is, in acted time.
     BeforeMark,
+    /// How many times as far from its samples a motion is as without its goals, which ask for another one than was
+    /// acted.
+    Led,
     /// Relative deviation of an estimated gravity from the scene's.
     Gravity,
     /// Standard deviation of an estimated gravity, relative to the scene's.
@@ -104,6 +107,7 @@ impl About {
             About::FallDirection => "fall_direction",
             About::AfterMark => "after_mark",
             About::BeforeMark => "before_mark",
+            About::Led => "led",
             About::Gravity => "gravity",
             About::GravitySpread => "gravity_spread",
             About::Outside => "outside",
@@ -137,6 +141,7 @@ impl About {
             | About::Alone
             | About::Misfit
             | About::Fall
+            | About::Led
             | About::Gravity
             | About::GravitySpread
             | About::AtBound
@@ -166,7 +171,7 @@ impl About {
     /// hand moves so.
     pub fn best(self) -> Verdict {
         match self {
-            About::Outside | About::AtBound | About::Ambiguity => Verdict::Physical,
+            About::Outside | About::AtBound | About::Ambiguity | About::Led => Verdict::Physical,
             About::Overlap
             | About::WrongFeature
             | About::Residual

@@ -18,7 +18,8 @@ pub struct Suspect {
 }
 
 /// Difference of the shares that gravity and a clock's rate explain below which they are not told
-/// apart. To a motion they are the same, whatever the criterion says of how marks were made.
+/// apart, to a motion they are the same, whatever the criterion says of how marks were made; and of those that a
+/// surface's height and the duration of a contact explain, for what touches for long also goes deeper than the surface.
 const ALIKE: f64 = 0.2;
 /// Difference of Schwarz's criterion below which two things are not told apart: odds of twenty (Kass
 /// and Raftery, Journal of the American Statistical Association 90, 1995).
@@ -31,7 +32,10 @@ impl Suspect {
         let is_rate = |of: &Self| matches!(of.quantity(), Some(Quantity::ClockRate { .. }));
         let is_gravity = |of: &Self| matches!(of.quantity(), Some(Quantity::Gravity { .. }));
         let is_tempo = is_rate(self) && is_gravity(other) || is_gravity(self) && is_rate(other);
-        let is_alike = is_tempo && (self.explains - other.explains).abs() < ALIKE;
+        let is_height = |of: &Self| matches!(of.quantity(), Some(Quantity::SurfaceHeight { .. }));
+        let lasts = |of: &Self| matches!(of.quantity(), Some(Quantity::ContactDuration { .. }));
+        let is_late = is_height(self) && lasts(other) || lasts(self) && is_height(other);
+        let is_alike = (is_tempo || is_late) && (self.explains - other.explains).abs() < ALIKE;
         (self.gain - other.gain < TOLD || is_alike) && !self.is_same_as(other)
     }
 

@@ -150,6 +150,15 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
                 bound * 1e3
             )
         }
+        About::Led => {
+            let goals = match doubt.place.name(scene) {
+                Some(name) => format!("the goal at `{name}` asks"),
+                None => "the goals ask".to_owned(),
+            };
+            format!(
+                "{goals} for another motion than was acted: it is {value:.1} times as far from the samples as without"
+            )
+        }
         About::Gravity => format!(
             "gravity is {} off the scene's, expected at most {}",
             percent(value),

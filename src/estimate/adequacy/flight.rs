@@ -63,7 +63,8 @@ pub(super) fn test(context: &SolveContext, alone: &Alone, arc: usize) -> Option<
     let left = absorbed.beyond(DMatrix::from_columns(&[means]));
     let wander = weights.wander(&hands);
     let wander = absorbed.beyond(absorbed.beyond(wander).transpose());
-    let noise_freedom = part::seen(&errors).saturating_sub(absorbed.rank());
+    // Each second difference tells about half of what a sample would.
+    let noise_freedom = part::seen(&errors).saturating_sub(absorbed.rank()) / 2;
     let by_noise = part::tested(left.norm_squared(), beyond, noise_freedom)?;
     let bend = square(&basis.tr_mul(&left), &(basis.tr_mul(&wander) * &basis))?;
     let bend = part::tested(bend, basis.ncols(), beyond - basis.ncols())?;

@@ -8,9 +8,9 @@
 //!
 //! with the hand's spectrum `P` over acted time, as measured on a camera held in the hand (positions
 //! `p = 4`, orientations `p = 3`, without a corner above 0.2 Hz), the white noise's variance `σ²` and the numbers of
-//! samples `N`. The wander's size `a` is not determined well by a take, so that sizes are weighted by
-//! their restricted likelihood (Patterson and Thompson, Biometrika 58, 1971) and the mean covariance
-//! is used; none is beyond sixteen weights. Directions that the flights' own fits absorb are left out of the likelihood.
+//! samples `N`. The wander's size `a` is not determined well by a take, and not at all where flights are brief, so that
+//! sizes are weighted by how usual they are for the scene's weights and by their restricted likelihood (Patterson and Thompson, Biometrika 58, 1971) and the mean covariance
+//! is used; none is beyond what any hand strays. Directions that the flights' own fits absorb are left out of the likelihood.
 
 use std::f64::consts::TAU;
 
@@ -27,9 +27,14 @@ const LINES: usize = 12;
 /// Sizes of the wander, in standard deviations of a sample's white noise.
 const SIZES: [f64; 9] = [1.0, 2.5, 6.0, 16.0, 40.0, 100.0, 250.0, 600.0, 1600.0];
 
-/// Greatest size of a wander, in units of the residuals, which are the scene's weights: what would need a hand that
-/// strays by more is no hand's doing.
-const MOST: f64 = 16.0;
+/// Greatest size of a hand's wander \[m\] \[rad\], and of one that a scene expects to stray farther than a usual hand
+/// in units of its weights: what would need a hand that strays by more is no hand's doing.
+const MOST: [f64; 2] = [0.5, 5.0];
+const MOST_UNITS: f64 = 50.0;
+
+/// Size of a usual hand's wander, in units of the scene's weights, and the spread of its logarithm.
+const USUAL: f64 = 2.0;
+const USUAL_SPREAD: f64 = 1.5;
 
 /// A pivot below which a direction depends on others.
 const DEPENDENT: f64 = 1e-6;
@@ -62,28 +67,32 @@ impl Kind {
 
 impl Hand {
     /// The wander of one kind that the bins' mean residuals show, of which the directions `absorbed`
-    /// are left out; `white` is the variance of a sample's white noise.
+    /// are left out; `white` is the variance of a sample's white noise, and `unit` one unit \[m or rad\].
     pub(super) fn of(
         bins: &Bins,
         kind: Kind,
         (means, absorbed): (&[Six], &[Vec<Six>]),
-        white: f64,
+        (white, unit): (f64, f64),
     ) -> Self {
         let correlation = correlation(bins, EXPONENTS[kind as usize]);
         let floor = white.max(1e-18);
         let contrasts = Contrasts::new((bins, kind), &correlation, (means, absorbed));
         let likelihood = |size: f64| contrasts.log_likelihood(floor, size * size);
         let none = likelihood(0.0);
-        let of_noise = floor.sqrt();
-        let sizes: Vec<f64> = SIZES.iter().map(|size| size.min(MOST / of_noise)).collect();
+        let most = (MOST[kind as usize] / unit).max(MOST_UNITS) / floor.sqrt();
+        let sizes = SIZES.map(|size| size.min(most));
         let logs: Vec<f64> = sizes.iter().map(|size| likelihood(*size)).collect();
         let most = logs.iter().fold(none, |most, log| most.max(*log));
-        let weights: Vec<f64> = logs.iter().map(|log| (log - most).exp()).collect();
-        let prior = (sizes.len() as f64).recip();
-        let some: f64 = weights.iter().sum::<f64>() * prior;
+        let priors = sizes.map(|size| prior(size * floor.sqrt()));
+        let all: f64 = priors.iter().sum();
+        let weights = logs.iter().zip(priors);
+        let weights: Vec<f64> = weights
+            .map(|(log, prior)| (log - most).exp() * prior / all)
+            .collect();
+        let some: f64 = weights.iter().sum();
         let squares = weights.iter().zip(&sizes);
-        let variance = squares.map(|(w, size)| w * size * size).sum::<f64>() * prior
-            / some.max(f64::MIN_POSITIVE);
+        let variance =
+            squares.map(|(w, size)| w * size * size).sum::<f64>() / some.max(f64::MIN_POSITIVE);
         Self {
             correlation,
             variance: variance * floor,
@@ -133,6 +142,12 @@ impl Hand {
         }
         self.variance * sum
     }
+}
+
+/// Prior of a wander's size, in units, up to a factor.
+fn prior(size: f64) -> f64 {
+    let off = (size / USUAL).ln() / USUAL_SPREAD;
+    (-0.5 * off * off).exp()
 }
 
 /// Correlations of the bins of each track under a power law.

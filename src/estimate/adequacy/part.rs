@@ -4,11 +4,11 @@ use nalgebra::DVector;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::alone::Alone;
-use super::hand::{self, Kind};
+use super::hand::{Hand, Kind};
 use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::{Bins, Residuals, Six};
 use crate::estimate::covariance::trace::Design;
-use crate::motion::{Hand, PartFit, Place, Tested};
+use crate::motion::{PartFit, Performer, Place, Tested};
 
 /// A test with the noise that it was made under, in squared units of positions and orientations.
 pub(super) struct PartTest {
@@ -22,7 +22,7 @@ impl PartTest {
     /// The test of a place by noise and by a hand.
     pub(super) fn new(
         place: Place,
-        (white, hands): ([f64; 2], &[hand::Hand; 2]),
+        (white, hands): ([f64; 2], &[Hand; 2]),
         by_noise: Tested,
         by_hand: Tested,
     ) -> Self {
@@ -59,26 +59,26 @@ pub(super) fn hands(
     bins: &Bins,
     (errors, absorbed): (&[Residuals], &[Vec<Six>]),
     white: [f64; 2],
-) -> [hand::Hand; 2] {
+) -> [Hand; 2] {
     let means = bins.mean_residuals(errors);
-    Kind::ALL.map(|kind| match context.problem.hand {
-        Hand::None => hand::Hand::of_tracker(bins),
-        Hand::Acted | Hand::Unsaid => {
+    let problem = context.problem;
+    Kind::ALL.map(|kind| match problem.performer {
+        Performer::Nobody => Hand::of_tracker(bins),
+        Performer::Hand | Performer::Unsaid => {
             let shown = (means.as_slice(), absorbed);
-            hand::Hand::of(bins, kind, shown, white[kind as usize])
+            let unit = [problem.position_unit_m, problem.orientation_unit_rad][kind as usize];
+            Hand::of(bins, kind, shown, (white[kind as usize], unit))
         }
     })
 }
 
 /// The wander over other bins, of variances that were shown.
-pub(super) fn hands_like(
-    context: &SolveContext,
-    bins: &Bins,
-    variances: [f64; 2],
-) -> [hand::Hand; 2] {
-    Kind::ALL.map(|kind| match context.problem.hand {
-        Hand::None => hand::Hand::of_tracker(bins),
-        Hand::Acted | Hand::Unsaid => hand::Hand::of_variance(bins, kind, variances[kind as usize]),
+pub(super) fn hands_like(context: &SolveContext, bins: &Bins, variances: [f64; 2]) -> [Hand; 2] {
+    Kind::ALL.map(|kind| match context.problem.performer {
+        Performer::Nobody => Hand::of_tracker(bins),
+        Performer::Hand | Performer::Unsaid => {
+            Hand::of_variance(bins, kind, variances[kind as usize])
+        }
     })
 }
 

@@ -96,7 +96,8 @@ pub(super) fn judge(
         })
         .collect();
     let totals: Vec<DVector<f64>> = candidates.iter().map(|of| of.total.clone()).collect();
-    let columns = (totals.as_slice(), &linear.residuals);
+    let residuals = linear.of_samples();
+    let columns = (totals.as_slice(), &residuals);
     let left = errors.left(&held.free, columns, problem.information.0);
     let by_noise = by_noise(linear, errors, &left, held.free.ncols());
     let by_noise = by_noise.ok_or(FitUntold::FewSamples)?;
@@ -119,7 +120,7 @@ pub(super) fn judge(
         .filter(|(_, odds)| *odds > TRIED)
         .collect();
     scored.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let cost = linear.merit().0;
+    let cost = 0.5 * residuals.norm_squared();
     let misfit = (cost - errors.floor()).max(f64::MIN_POSITIVE);
     let mut suspects = Vec::new();
     for (quantity, _) in scored.into_iter().take(TRIALS) {
@@ -131,7 +132,8 @@ pub(super) fn judge(
         };
         let wrong = evidence_at(scene, errors, (quantity, &tried), problem.information.0);
         let odds = wrong - evidence - price;
-        let explains = ((cost - tried.linear.merit().0) / misfit).clamp(0.0, 1.0);
+        let explains =
+            ((cost - 0.5 * tried.linear.of_samples().norm_squared()) / misfit).clamp(0.0, 1.0);
         if odds > SUSPECTED && explains >= LEAST_SHARE {
             suspects.push(Suspect {
                 values: vec![(quantity, tried.value)],
@@ -204,7 +206,7 @@ fn together(mut suspects: Vec<Suspect>) -> Vec<Suspect> {
 
 /// The test of all residuals against white noise; `None` where too few are beyond what the motion may follow.
 fn by_noise(linear: &Linear, errors: &Errors, left: &[Left], followed: usize) -> Option<Tested> {
-    let freedom = errors.row_count(linear) as f64 - followed as f64;
+    let freedom = errors.row_count(linear) as f64 - (followed + linear.rate_rows) as f64;
     let noise_freedom = errors.degrees();
     if freedom < LEAST_FREEDOM || noise_freedom < LEAST_FREEDOM {
         return None;
@@ -230,7 +232,8 @@ fn evidence_at(
 ) -> f64 {
     let held = tried.linear.held();
     let total = [tried.linear.total(&held, &tried.change)];
-    let left = errors.left(&held.free, (&total, &tried.linear.residuals), information);
+    let residuals = tried.linear.of_samples();
+    let left = errors.left(&held.free, (&total, &residuals), information);
     let off = tried.value - scene.value_of(quantity);
     odds::evidence_if_wrong(&left, 0, (quantity.typical(), off))
 }

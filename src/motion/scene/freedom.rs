@@ -37,8 +37,12 @@ impl Scene {
         let laws = laws.flat_map(|law| [Quantity::Restitution { law }, Quantity::Friction { law }]);
         let is_collision = |(_, event): &(usize, &Event)| event.kind.collision().is_some();
         let events = self.events.iter().enumerate().filter(is_collision);
-        let tilts =
-            events.flat_map(|(event, _)| [0, 1].map(|tangent| Quantity::Tilt { event, tangent }));
+        let at_collisions = events.flat_map(|(event, _)| {
+            let tilts = [0, 1].map(|tangent| Quantity::Tilt { event, tangent });
+            tilts
+                .into_iter()
+                .chain([Quantity::ContactDuration { event }])
+        });
         let links = self.links.keys().flat_map(|link| self.quantities_of(link));
         let tracks = self.tracks.keys().flat_map(|track| {
             let places = (0..3).map(move |axis| Quantity::TrackerPosition { track, axis });
@@ -55,7 +59,7 @@ impl Scene {
             let tilt = |tangent| Quantity::SurfaceTilt { surface, tangent };
             [Quantity::SurfaceHeight { surface }, tilt(0), tilt(1)]
         });
-        let world = gravity.chain(laws).chain(tilts);
+        let world = gravity.chain(laws).chain(at_collisions);
         world.chain(links).chain(tracks).chain(faces).collect()
     }
 
@@ -106,6 +110,9 @@ impl Scene {
             }
             Quantity::SampleTime { track, sample } => {
                 format!("{}.keyframe.{}.time", seen(track), sample + 1)
+            }
+            Quantity::ContactDuration { event } => {
+                format!("{}.contact_duration", self.events[event].name)
             }
             Quantity::SurfaceHeight { surface: of } => format!("{}.height", surface(of)),
             Quantity::SurfaceTilt {
@@ -187,6 +194,7 @@ impl Scene {
             | Quantity::ClockOffset { .. }
             | Quantity::FlightClock { .. }
             | Quantity::SampleTime { .. }
+            | Quantity::ContactDuration { .. }
             | Quantity::SurfaceHeight { .. }
             | Quantity::SurfaceTilt { .. }
             | Quantity::JointTurn { .. } => 0.0,

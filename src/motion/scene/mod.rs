@@ -42,6 +42,6 @@ pub use quantity::Quantity;
 pub use rest::RestGoal;
 pub use tree_touch::TreeTouch;
 pub use untold::{Combination, Together, Untold};
-pub use weights::{Hand, Weighing, Weights};
+pub use weights::{Performer, Weighing, Weights};
 pub use whole::{Scene, Timing, VelocityGaps};
 pub use world::{Against, Obstacle, Surface};

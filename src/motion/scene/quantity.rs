@@ -113,6 +113,12 @@ pub enum Quantity {
         /// Index into the track's samples.
         sample: usize,
     },
+    /// How long the contact of a collision lasts \[s\]: what takes part in it leaves from where it came so much later than
+    /// the impact, which is one moment, has it.
+    ContactDuration {
+        /// Index into `Scene::events`.
+        event: usize,
+    },
     /// How far a surface is from where the scene has it, along its normal there \[m\].
     SurfaceHeight {
         /// Index into `Scene::surfaces`.
@@ -209,7 +215,8 @@ impl Quantity {
             | Quantity::JointPlace { .. } => "m",
             Quantity::ClockOffset { .. }
             | Quantity::FlightClock { .. }
-            | Quantity::SampleTime { .. } => "s",
+            | Quantity::SampleTime { .. }
+            | Quantity::ContactDuration { .. } => "s",
         }
     }
 
@@ -219,7 +226,8 @@ impl Quantity {
             Quantity::Restitution { .. } => [0.0, 1.0],
             Quantity::Friction { .. }
             | Quantity::LinearDrag { .. }
-            | Quantity::QuadraticDrag { .. } => [0.0, f64::INFINITY],
+            | Quantity::QuadraticDrag { .. }
+            | Quantity::ContactDuration { .. } => [0.0, f64::INFINITY],
             Quantity::Moment { .. } | Quantity::Mass { .. } => [LEAST_FACTOR, f64::INFINITY],
             // A clock that runs backwards or stands still orders nothing.
             Quantity::ClockRate { .. } => [LEAST_FACTOR - 1.0, f64::INFINITY],
@@ -259,14 +267,15 @@ impl Quantity {
             | Quantity::TrackerPosition { .. }
             | Quantity::SurfaceHeight { .. }
             | Quantity::JointPlace { .. }
-            | Quantity::ClockOffset { .. } => 0.01,
+            | Quantity::ClockOffset { .. }
+            | Quantity::ContactDuration { .. } => 0.01,
         }
     }
 
-    /// The event at which alone it acts (index into `Scene::events`), if there is one.
+    /// The event at which, or from which on, it acts (index into `Scene::events`), if there is one.
     pub fn event(self) -> Option<usize> {
         match self {
-            Quantity::Tilt { event, .. } => Some(event),
+            Quantity::Tilt { event, .. } | Quantity::ContactDuration { event } => Some(event),
             _ => None,
         }
     }
@@ -277,6 +286,9 @@ impl Quantity {
             Quantity::Tilt { event, tangent } => Quantity::Tilt {
                 event: moved(event),
                 tangent,
+            },
+            Quantity::ContactDuration { event } => Quantity::ContactDuration {
+                event: moved(event),
             },
             _ => self,
         }

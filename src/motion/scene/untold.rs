@@ -106,7 +106,9 @@ impl Scene {
                     Untold::TurnCancels,
                 )
             }
-            Quantity::ClockRate { .. } | Quantity::ClockOffset { .. }
+            Quantity::ClockRate { .. }
+            | Quantity::ClockOffset { .. }
+            | Quantity::ContactDuration { .. }
                 if self.timing != Timing::Known =>
             {
                 Some(Untold::NoClock)
@@ -124,6 +126,7 @@ impl Scene {
             | Quantity::TrackerPosition { .. }
             | Quantity::FlightClock { .. }
             | Quantity::SampleTime { .. }
+            | Quantity::ContactDuration { .. }
             | Quantity::ClockRate { .. }
             | Quantity::JointPlace { .. }
             | Quantity::JointTurn { .. } => None,

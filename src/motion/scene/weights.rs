@@ -11,11 +11,11 @@ pub struct Weights {
 
 /// Whether a hand acted what trackers saw: a hand wanders, by much more than a tracker's noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Hand {
+pub enum Performer {
     /// Somebody acted the motion.
-    Acted,
+    Hand,
     /// Nobody did: the motion itself was measured, and residuals are a tracker's errors.
-    None,
+    Nobody,
     /// The scene does not say; the flights' own residuals may show it.
     Unsaid,
 }

@@ -9,7 +9,7 @@ use super::goal::{Goal, GoalTarget};
 use super::link::{FreeBody, Link, Mechanism, Sees, Track};
 use super::parameter::{Cone, FreeParameter};
 use super::rest::RestGoal;
-use super::weights::{Hand, Weighing, Weights};
+use super::weights::{Performer, Weighing, Weights};
 use super::world::{Against, Obstacle, Surface};
 use crate::math::Pose;
 use crate::motion::index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
@@ -57,7 +57,7 @@ pub struct Scene {
     /// Units of residuals.
     pub weights: Weights,
     /// Whether a hand acted the performance.
-    pub hand: Hand,
+    pub performer: Performer,
     /// How exactly shapes and places are known \[m\]: overlaps up to it, and parts that are nearer by no more than it to
     /// what they hit, are the scene's inaccuracy.
     pub tolerance_m: f64,

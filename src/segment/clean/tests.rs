@@ -4,8 +4,8 @@ use proptest::prelude::*;
 use super::*;
 use crate::math::Pose;
 use crate::motion::{
-    Collision, ContactLaw, ContactLawIndex, Event, Feature, FreeBody, LinkIndex, PoseSample,
-    Surface, Timing, VelocityGaps, Weights,
+    Collision, ContactLaw, ContactLawIndex, Event, Feature, FreeBody, LinkIndex, Performer,
+    PoseSample, Surface, Timing, VelocityGaps, Weights,
 };
 use crate::physics::{Shape, contact};
 
@@ -67,7 +67,7 @@ fn scene() -> Scene {
             position_m: 0.01,
             orientation_rad: 0.1,
         },
-        hand: Hand::Unsaid,
+        performer: Performer::Unsaid,
         tolerance_m: Scene::TOLERANCE_M,
     };
     scene.add(ball("red", mount));

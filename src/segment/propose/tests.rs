@@ -5,8 +5,8 @@ use typed_index_collections::TiVec;
 use super::*;
 use crate::math::Pose;
 use crate::motion::{
-    ContactLaw, ContactLawIndex, Event, EventKind, FreeBody, LinkIndex, Stamp, Surface, Timing,
-    VelocityGaps, Weights,
+    ContactLaw, ContactLawIndex, Event, EventKind, FreeBody, LinkIndex, Performer, Stamp, Surface,
+    Timing, VelocityGaps, Weights,
 };
 use crate::physics::Shape;
 use crate::segment::{refine, relocate_marks};
@@ -46,7 +46,7 @@ fn scene(bounces: usize, timing: Timing) -> Scene {
             position_m: 0.01,
             orientation_rad: 0.1,
         },
-        hand: Hand::Unsaid,
+        performer: Performer::Unsaid,
         tolerance_m: Scene::TOLERANCE_M,
     };
     scene.add(FreeBody {

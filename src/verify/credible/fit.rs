@@ -6,7 +6,9 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 use super::alone::Alone;
 use super::flights::Flight;
 use super::kink::kinks;
-use crate::motion::{About, Doubt, Estimate, Hand, Place, Scene, SegmentResidual, Sketch, Timing};
+use crate::motion::{
+    About, Doubt, Estimate, Fits, Performer, Place, Scene, SegmentResidual, Sketch, Timing,
+};
 
 /// Greatest residual of a flight, in weights.
 const RESIDUAL: f64 = 30.0;
@@ -92,11 +94,13 @@ pub(super) fn doubts(
         doubts.extend(Doubt::beyond(About::Alone, Place::Motion, value, ALONE));
     }
     let is_no_hand = whole > HAND || is_no_hand(flights);
-    doubts.extend(misfit(scene, &alone).filter(|_| is_no_hand));
-    let least_m = match scene.hand {
+    // Where noise and a hand were looked at one by one, that answer counts.
+    let is_explained = estimate.fit.as_ref().is_ok_and(|fit| fit.fits != Fits::No);
+    doubts.extend(misfit(scene, &alone).filter(|_| is_no_hand && !is_explained));
+    let least_m = match scene.performer {
         // What a tracker leaves by its slow errors tells nothing of the fall.
-        Hand::None => scene.weights.position_m,
-        Hand::Acted | Hand::Unsaid => NOTHING_M,
+        Performer::Nobody => scene.weights.position_m,
+        Performer::Hand | Performer::Unsaid => NOTHING_M,
     };
     doubts.extend(fall(&alone, least_m));
     doubts.extend(direction(estimate, &alone, least_m));

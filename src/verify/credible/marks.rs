@@ -4,9 +4,9 @@ use crate::motion::{About, Doubt, Estimate, EventKind, Place, Scene, Sketch, Tim
 
 /// Greatest time of an event after its mark, and before its mark, where times are physical \[s\].
 const KNOWN_S: [f64; 2] = [0.075, 0.075];
-/// Greatest time of a waypoint from its mark, in the mark's standard deviations: a waypoint is about
-/// there, and goals say where.
-const WAYPOINT_DEVIATIONS: f64 = 4.0;
+/// Greatest time of an event from its mark, in the mark's standard deviations, where the scene states these, and of a
+/// waypoint, which is about there, and goals say where.
+const DEVIATIONS: f64 = 4.0;
 /// The same in acted time, where the tempo is unknown: reaction time makes marks late.
 const UNKNOWN_S: [f64; 2] = [0.12, 0.15];
 
@@ -31,8 +31,11 @@ pub(in crate::verify) fn doubts(
         };
         let mark = sketch.marks[event.event];
         let [later_s, earlier_s] = match (&scene.events[event.event].kind, mark) {
-            (EventKind::Waypoint(_), Some(mark)) => [WAYPOINT_DEVIATIONS * mark.sd_s; 2],
-            _ => beyond_s,
+            (EventKind::Waypoint(_), Some(mark)) => [DEVIATIONS * mark.sd_s; 2],
+            _ => {
+                let stated_s = scene.mark_sd_s.map_or(0.0, |sd_s| DEVIATIONS * sd_s);
+                beyond_s.map(|least_s| least_s.max(stated_s))
+            }
         };
         let late_s = map.acted_s(event.time_s) - made_s;
         let place = Place::Event(event.event);

@@ -6,6 +6,7 @@ use super::scored::{LEAST_SHARE, LEVEL};
 use super::wider::Wider;
 use crate::estimate::adequacy::alone::Alone;
 use crate::estimate::context::SolveContext;
+use crate::estimate::point::Point;
 use crate::estimate::recipe::{self, Recipe, Solution};
 use crate::motion::{Observer, Quantity, Quiet, Scene, Segment, Sketch, Suspect};
 use crate::optimise::Schedule;
@@ -15,10 +16,18 @@ use crate::optimise::finish::Tolerances;
 const TRIED: usize = 8;
 /// and of suspects.
 const MOST: usize = 3;
-/// A wander that the flights may hide seldom leaves this share of the misfit to one wrong quantity,
-const ALL: f64 = 0.95;
-/// or less with a gain that is greater by so much per share.
-const GAIN_PER_SHARE: f64 = 900.0;
+/// Share of a typical change by which a quantity has not moved.
+const UNMOVED: f64 = 1e-6;
+/// Where a trial leaves less than this share of the objective, the motion itself may have a better optimum near by.
+const LOWER: f64 = 0.5;
+
+/// What trials found.
+pub(in crate::estimate::adequacy) struct Tried {
+    /// The best of what was set free.
+    pub(in crate::estimate::adequacy) suspects: Vec<Suspect>,
+    /// From where the motion itself may have a better optimum: the best trial's motion, if that is much better.
+    pub(in crate::estimate::adequacy) start: Option<Point>,
+}
 
 /// The best of those that score high, by what they explain when they are set free: where a value is
 /// far off, the score's linear prediction no longer ranks them.
@@ -27,10 +36,16 @@ pub(in crate::estimate::adequacy) fn tried(
     (scene, sketch, segments): (&Scene, &Sketch, &[Segment]),
     (mut scored, noise, alone): (Vec<Suspect>, &Errors, &Alone),
     observer: &mut dyn Observer,
-) -> Vec<Suspect> {
+) -> Tried {
     scored.truncate(TRIED);
-    scored.extend(unscored(scene, &scored, noise.is_unlikely));
+    let of_unknown_times = context.problem.times_are_unknown();
+    scored.extend(unscored(
+        scene,
+        &scored,
+        (noise.is_unlikely, of_unknown_times),
+    ));
     let cost = solution.system.cost;
+    let mut lowest: Option<(f64, Point)> = None;
     let tried = scored.into_iter().filter_map(|suspect| {
         let values = suspect.values.iter();
         let free = values.map(|(quantity, value)| scene.freed(*quantity, *value));
@@ -56,13 +71,21 @@ pub(in crate::estimate::adequacy) fn tried(
         let values = quantities.zip(found.point.parameters[wider.first..].iter().copied());
         let values: Vec<(Quantity, f64)> = values.collect();
         let left = found.system.cost.max(f64::MIN_POSITIVE);
+        if lowest.as_ref().is_none_or(|(lowest, _)| left < *lowest) {
+            lowest = Some((left, wider.narrowed(&found.point)));
+        }
         let gain = noise.gain(context, cost / left, values.len());
         let misfit = (cost - noise.floor(context)).max(f64::MIN_POSITIVE);
         let explains = ((cost - left) / misfit).clamp(0.0, 1.0);
         let is_told = noise.is_beyond
             || suspect.probability < LEVEL
-            || is_alone(explains, noise.gain_under_wander(cost / left, values.len()));
-        let is_suspect = gain > 0.0 && explains >= LEAST_SHARE;
+            || noise.is_alone(explains, cost / left, values.len())
+            || of_unknown_times && is_restitution(&values) && noise.is_less(context, cost / left);
+        let moves = values.iter().any(|(quantity, value)| {
+            let moved = (value - scene.value_of(*quantity)).abs();
+            moved > UNMOVED * quantity.typical()
+        });
+        let is_suspect = gain > 0.0 && explains >= LEAST_SHARE && moves;
         let suspect = Suspect {
             values,
             explains,
@@ -84,13 +107,16 @@ pub(in crate::estimate::adequacy) fn tried(
         }
     }
     suspects.truncate(MOST);
-    suspects
+    Tried {
+        suspects,
+        start: lowest
+            .filter(|(lowest, _)| *lowest < LOWER * cost)
+            .map(|(_, point)| point),
+    }
 }
 
-/// Whether so great a share of the misfit goes with one thing, at such a gain under a wander, that no
-/// wander is likely to look like it.
-fn is_alone(explains: f64, gain: f64) -> bool {
-    gain >= -2.0 * LEVEL.ln() + GAIN_PER_SHARE * (ALL - explains).max(0.0)
+fn is_restitution(values: &[(Quantity, f64)]) -> bool {
+    matches!(values, [(Quantity::Restitution { .. }, _)])
 }
 
 /// The schedule of a trial: to compare objectives a few digits are enough, and what needs more steps
@@ -110,9 +136,13 @@ fn trial() -> Schedule {
 
 /// What is tried though it did not score high: coefficients of friction, of which all above some
 /// value are alike where a contact sticks, from zero, where it slides, if the misfit is unlikely under any
-/// wander; and the clock's rate where gravity scored or gravity where the rate did, which are the
-/// same to a motion.
-fn unscored(scene: &Scene, scored: &[Suspect], is_unlikely: bool) -> Vec<Suspect> {
+/// wander; restitutions where times are unknown, for with a wrong one these are far off, where a slope tells nothing; and the
+/// clock's rate where gravity scored or gravity where the rate did, which are the same to a motion.
+fn unscored(
+    scene: &Scene,
+    scored: &[Suspect],
+    (is_unlikely, of_unknown_times): (bool, bool),
+) -> Vec<Suspect> {
     let has_scored = |is_it: &dyn Fn(Quantity) -> bool| {
         let is_it = |suspect: &&Suspect| suspect.values.iter().any(|(q, _)| is_it(*q));
         scored.iter().find(is_it)
@@ -123,6 +153,9 @@ fn unscored(scene: &Scene, scored: &[Suspect], is_unlikely: bool) -> Vec<Suspect
     let others = groups.filter_map(|group| match group[..] {
         [quantity] if has_scored(&|scored| scored == quantity).is_some() => None,
         [quantity @ Quantity::Friction { .. }] => is_unlikely.then_some((quantity, 0.0, 1.0)),
+        [quantity @ Quantity::Restitution { .. }] => {
+            of_unknown_times.then_some((quantity, scene.value_of(quantity), 1.0))
+        }
         [quantity @ Quantity::ClockRate { .. }] => {
             let twin = has_scored(&is_gravity)?;
             Some((quantity, scene.value_of(quantity), twin.probability))
@@ -139,5 +172,5 @@ fn unscored(scene: &Scene, scored: &[Suspect], is_unlikely: bool) -> Vec<Suspect
         gain: 0.0,
         probability,
     };
-    others.map(suspect).collect()
+    others.map(suspect).take(TRIED).collect()
 }

@@ -34,6 +34,13 @@ impl Wider {
         }
     }
 
+    /// A point without the added parameters.
+    pub(super) fn narrowed(&self, wide: &Point) -> Point {
+        let mut point = wide.clone();
+        point.parameters.truncate(self.first);
+        point
+    }
+
     /// A point of the narrower problem, with the added parameters as they begin.
     pub(super) fn point(&self, narrow: &Point) -> Point {
         let mut point = narrow.clone();

@@ -47,6 +47,8 @@ pub(super) struct Linear {
     pub(super) series: Vec<Series>,
     /// `r` of samples, then of priors; in units.
     pub(super) residuals: DVector<f64>,
+    /// Number of rows of the prior of rates, the first after those of samples.
+    pub(super) rate_rows: usize,
     /// `J`.
     by: DMatrix<f64>,
     /// `c` and `C` of the rows that act.
@@ -157,6 +159,7 @@ impl Linear {
         let linear = Self {
             series,
             residuals: DVector::from_vec(values),
+            rate_rows: turning(problem).count(),
             by,
             rows: DVector::from_iterator(acting.len(), acting.iter().map(|row| off[*row])),
             rows_by,
@@ -175,6 +178,15 @@ impl Linear {
     #[cfg(test)]
     pub(super) fn rows(&self) -> &DVector<f64> {
         &self.rows
+    }
+
+    /// The residuals with what the prior holds of rates as if it expected them as they are: a body that whirls is no misfit.
+    pub(super) fn of_samples(&self) -> DVector<f64> {
+        let mut residuals = self.residuals.clone();
+        residuals
+            .rows_mut(self.sample_rows(), self.rate_rows)
+            .fill(0.0);
+        residuals
     }
 
     /// Number of rows of samples.
@@ -278,11 +290,16 @@ pub(super) fn rms(series: &[Series], squares: impl Fn(&Series) -> f64) -> [f64; 
 /// A prior: its residual, and the derivatives by unknowns, in units.
 type Prior = (f64, Vec<(usize, f64)>);
 
+/// Freedoms that turn.
+fn turning(problem: &TreeProblem) -> impl Iterator<Item = usize> + '_ {
+    let freedoms = 0..problem.forest.freedoms();
+    freedoms.filter(|at| !problem.forest.is_translation(*at))
+}
+
 /// What holds rates of the start, times of events at their marks, an unknown tempo, and parameters.
 fn priors(problem: &TreeProblem, point: &TreePoint) -> Vec<Prior> {
     let freedoms = problem.forest.freedoms();
-    let turning = (0..freedoms).filter(|at| !problem.forest.is_translation(*at));
-    let rates = turning.map(|at| {
+    let rates = turning(problem).map(|at| {
         let rate = point.nodes[0].rates[at];
         let per_unit = 1.0 / RATE_SD_RAD_S;
         (rate * per_unit, vec![(freedoms + at, per_unit)])

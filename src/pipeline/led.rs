@@ -1,0 +1,99 @@
+//! Whether a motion that does not agree with its performance is only led away from it by its goals.
+//!
+//! A goal may ask for another motion than was acted: that is what goals are for. Then flights, marks and impacts
+//! disagree with the samples though nothing in the scene is wrong. It is told apart by the same motion without goals: where
+//! that agrees, the goals are what the disagreement is about, and nothing else is suspected.
+
+use super::outcome::PipelineError;
+use super::perform::{Performed, Prepared};
+use crate::motion::{About, Doubt, Fits, Observer, Place, Suspect, TakeEvent, Verdict};
+use crate::verify::credible;
+
+/// By how much goals lead a motion away from its performance.
+pub(super) struct Led {
+    doubt: Doubt,
+    /// What is suspected of the motion without goals.
+    suspects: Vec<Suspect>,
+}
+
+impl Led {
+    /// What goals cost, if a motion is known to differ from its performance and the same without its goals is not.
+    pub(super) fn of(
+        performed: &Performed,
+        events: &[TakeEvent],
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Self>, PipelineError> {
+        let scene = &performed.inferred.scene;
+        let estimate = &performed.inferred.solved.estimate;
+        let is_asked = !estimate.suspects.is_empty() || is_known_to_differ(performed);
+        if scene.goals.is_empty() || estimate.verdict == Verdict::Failed || !is_asked {
+            return Ok(None);
+        }
+        let mut free = scene.clone();
+        free.goals.clear();
+        let mut without = Prepared::new(&free, events, observer)?.performed(observer)?;
+        without.judge(observer);
+        if observer.should_stop() || is_known_to_differ(&without) {
+            return Ok(None);
+        }
+        let without = without.inferred.solved.estimate;
+        let first = scene.goals[0].event;
+        let is_one = scene.goals.iter().all(|goal| goal.event == first);
+        let ratio = estimate.objective / without.objective.max(f64::MIN_POSITIVE);
+        Ok(Some(Self {
+            suspects: without.suspects,
+            doubt: Doubt {
+                about: About::Led,
+                place: match is_one {
+                    true => Place::Event(first),
+                    false => Place::Motion,
+                },
+                value: ratio.sqrt(),
+                bound: 1.0,
+            },
+        }))
+    }
+
+    /// Takes suspicions back of which the goals are the reason.
+    pub(super) fn clear(&self, performed: &mut Performed) {
+        let estimate = &mut performed.inferred.solved.estimate;
+        if !estimate.suspects.is_empty() {
+            estimate.suspects.clone_from(&self.suspects);
+        }
+        if let Ok(fit) = &mut estimate.fit {
+            fit.fits = fit.fits.min(Fits::Unknown);
+        }
+    }
+
+    /// The doubts without those of which the goals are the reason, and with what they cost.
+    pub(super) fn instead_of(self, doubts: Vec<Doubt>) -> Vec<Doubt> {
+        let others = doubts.into_iter().filter(|doubt| !is_of_agreement(doubt));
+        others.chain([self.doubt]).collect()
+    }
+}
+
+/// Whether a motion is known to differ from its performance: it does not fit, or a doubt says so.
+fn is_known_to_differ(performed: &Performed) -> bool {
+    let estimate = &performed.inferred.solved.estimate;
+    let scene = &performed.inferred.scene;
+    let posed = (&scene.as_estimated(estimate), scene);
+    let marks_made_s = &performed.marks_made_s;
+    estimate.verdict == Verdict::Failed
+        || estimate.fit.as_ref().is_ok_and(|fit| fit.fits == Fits::No)
+        || credible::doubts(posed, &performed.sketch, marks_made_s, estimate)
+            .iter()
+            .any(is_of_agreement)
+}
+
+/// Whether a doubt is about how a motion agrees with its samples and marks.
+fn is_of_agreement(doubt: &Doubt) -> bool {
+    matches!(
+        doubt.about,
+        About::Alone
+            | About::Misfit
+            | About::Fall
+            | About::FallDirection
+            | About::AfterMark
+            | About::BeforeMark
+    )
+}
