@@ -32,7 +32,7 @@ pub(super) use values::Format;
 #[derive(Debug, Parser)]
 #[command(
     version,
-    after_help = "Exit codes: 0 done, 1 error, 2 usage, 3 finished but data were lost or the estimate is not physical."
+    after_help = "Exit codes: 0 done, 1 error, 2 usage, 3 finished, but data were lost, the motion is not physical, or something speaks against it."
 )]
 pub(super) struct Arguments {
     /// Say more on stderr; also set by RUST_LOG, such as `enact=debug`

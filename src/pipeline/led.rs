@@ -87,13 +87,9 @@ fn is_known_to_differ(performed: &Performed) -> bool {
 
 /// Whether a doubt is about how a motion agrees with its samples and marks.
 fn is_of_agreement(doubt: &Doubt) -> bool {
-    matches!(
-        doubt.about,
-        About::Alone
-            | About::Misfit
-            | About::Fall
-            | About::FallDirection
-            | About::AfterMark
-            | About::BeforeMark
-    )
+    doubt.about.is_distance()
+        || matches!(
+            doubt.about,
+            About::Fall | About::FallDirection | About::AfterMark | About::BeforeMark
+        )
 }
