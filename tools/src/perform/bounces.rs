@@ -13,7 +13,7 @@ pub use scene_file::scene_toml;
 use enact::math::Pose;
 use enact::motion::{
     ArcEstimate, Collision, ContactLaw, ContactLawIndex, Event, EventKind, Feature, FreeBody,
-    LinkIndex, MechanismIndex, Scene, Surface, Timing, VelocityGaps, Weights,
+    LinkIndex, MechanismIndex, Performer, Scene, Surface, Timing, VelocityGaps, Weights,
 };
 use enact::physics::contact::Contact;
 use enact::physics::impact::{ContactSet, Law, Side};
@@ -431,7 +431,7 @@ impl Bouncer {
                 position_m: 0.01,
                 orientation_rad: 0.1,
             },
-            hand: Hand::Unsaid,
+            performer: Performer::Unsaid,
             tolerance_m: Scene::TOLERANCE_M,
         };
         scene.add(cube);
