@@ -4,6 +4,9 @@ use std::path::Path;
 
 use anyhow::bail;
 
+/// Longest line of a table: a thousand bodies and more.
+const LINE_BYTES: usize = 1 << 20;
+
 /// A file that can be read.
 pub(super) enum Kind {
     /// A text: a table.
@@ -44,6 +47,11 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
             beside.display()
         );
     }
+    if bytes.starts_with(&[0x28, 0xb5, 0x2f, 0xfd]) {
+        bail!(
+            "{shown}: is packed with zstd, expected a table of poses or MCAP: `zstd -d {shown}` unpacks it"
+        );
+    }
     if bytes.starts_with(b"HIERARCHY") {
         bail!(
             "{shown}: is BVH, joint angles of a skeleton, expected poses of rigid bodies: export them as \
@@ -60,6 +68,12 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
     if bytes.is_empty() {
         bail!("{shown}: is empty, expected a table of poses or MCAP");
     }
+    if let Some(line) = long_line(&bytes) {
+        bail!(
+            "{shown}:{line}: the line is longer than {} KiB, expected a table of poses or MCAP",
+            LINE_BYTES >> 10
+        );
+    }
     match String::from_utf8(bytes) {
         Ok(text) if !text.contains('\0') => Ok(Kind::Table(text)),
         _ => bail!(
@@ -67,4 +81,11 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
              recording"
         ),
     }
+}
+
+/// The number of the first line that is longer than any table has, from 1.
+fn long_line(bytes: &[u8]) -> Option<usize> {
+    let long = |line: &[u8]| line.len() > LINE_BYTES;
+    let mut lines = bytes.split(|byte| *byte == b'\n');
+    lines.position(long).map(|place| place + 1)
 }
