@@ -284,16 +284,16 @@ fn messages_of_drivers_are_read_and_found_by_the_name_of_the_body() {
     for (on, message) in [
         (
             On(topic, "geometry_msgs/msg/TransformStamped", "cdr"),
-            &(|ns, of| cdr(&(header(ns, "world"), name(), seven(of))))
+            &(|ns: u64, of: &PoseSample| cdr(&(header(ns, "world"), name(), seven(of))))
                 as &dyn Fn(u64, &PoseSample) -> Vec<u8>,
         ),
         (
             On(topic, "geometry_msgs/msg/PoseArray", "cdr"),
-            &|ns, of| cdr(&(header(ns, "world"), vec![seven(of)])),
+            &|ns: u64, of: &PoseSample| cdr(&(header(ns, "world"), vec![seven(of)])),
         ),
         (
             On("/rigid_bodies", "mocap4r2_msgs/msg/RigidBodies", "cdr"),
-            &|ns, of| {
+            &|ns: u64, of: &PoseSample| {
                 let others = ("hand".to_owned(), no_markers(), seven(of));
                 let bodies = vec![others, (name(), no_markers(), seven(of))];
                 cdr(&(header(ns, "map"), 7_u32, bodies))
@@ -305,7 +305,7 @@ fn messages_of_drivers_are_read_and_found_by_the_name_of_the_body() {
                 "motion_capture_tracking_interfaces/msg/NamedPoseArray",
                 "cdr",
             ),
-            &|ns, of| cdr(&(header(ns, "world"), vec![(name(), seven(of))])),
+            &|ns: u64, of: &PoseSample| cdr(&(header(ns, "world"), vec![(name(), seven(of))])),
         ),
     ] {
         let take = read(
@@ -320,7 +320,12 @@ fn messages_of_drivers_are_read_and_found_by_the_name_of_the_body() {
     // A pose alone has no stamp: it is when it was logged.
     let on = On(topic, "geometry_msgs/msg/Pose", "cdr");
     let found = split(read(
-        file(told(&motion, on, LOGGED_NS, |_, of| cdr(&seven(of))), &[]),
+        file(
+            told(&motion, on, LOGGED_NS, |_: u64, of: &PoseSample| {
+                cdr(&seven(of))
+            }),
+            &[],
+        ),
         &scene(None),
     ));
     assert_eq!(found.samples.len(), motion.samples.len());

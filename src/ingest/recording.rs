@@ -89,22 +89,28 @@ impl Recording {
         &self.container
     }
 
-    /// The scene it carries: the attachment named [`SCENE_NAME`]. Fails where there are several that differ.
-    pub fn scene_toml(&self) -> Result<Option<&[u8]>, IngestError> {
-        let attachments = self.container.attachments().iter();
-        let scenes: Vec<&[u8]> = attachments
-            .filter(|attachment| attachment.name == SCENE_NAME)
-            .map(|attachment| self.container.attachment_data(attachment))
-            .collect();
-        match scenes.split_last() {
-            Some((last, others)) if others.iter().any(|other| other != last) => {
-                Err(IngestError::ManyScenes {
-                    path: self.path.clone(),
-                    count: scenes.len(),
-                })
-            }
-            last => Ok(last.map(|(last, _)| *last)),
+    /// The scene it carries: the last attachment named [`SCENE_NAME`]. [`Recording::only_scene`] asks whether there is
+    /// another.
+    pub fn scene_toml(&self) -> Option<&[u8]> {
+        self.scenes().last()
+    }
+
+    /// [`Recording::scene_toml`]; fails where several are attached that differ.
+    pub fn only_scene(&self) -> Result<Option<&[u8]>, IngestError> {
+        let last = self.scene_toml();
+        if self.scenes().all(|scene| Some(scene) == last) {
+            return Ok(last);
         }
+        Err(IngestError::ManyScenes {
+            path: self.path.clone(),
+            count: self.scenes().count(),
+        })
+    }
+
+    fn scenes(&self) -> impl Iterator<Item = &[u8]> {
+        let attachments = self.container.attachments().iter();
+        let scenes = attachments.filter(|attachment| attachment.name == SCENE_NAME);
+        scenes.map(|attachment| self.container.attachment_data(attachment))
     }
 
     /// Topics with messages that hold poses, in alphabetical order, but for those of an estimate.

@@ -149,7 +149,7 @@ fn recording_and_memory_deliver_the_same() {
     }
     writer.finish().expect("finish");
     let recording = Recording::open(&path).expect("open");
-    assert_eq!(recording.scene_toml().expect("one"), Some(&b"a scene"[..]));
+    assert_eq!(recording.scene_toml(), Some(&b"a scene"[..]));
     let mut source = recording.source(&scene("/pose")).expect("source");
     assert_eq!(drained(&mut source), events);
     assert_eq!(drained(&mut MemorySource::new(events.clone())), events);

@@ -78,7 +78,7 @@ pub(super) fn opened(
         }
         None => {
             let scene = attached_scene(&recording)?;
-            let text = recording.scene_toml()?.unwrap_or_default();
+            let text = recording.only_scene()?.unwrap_or_default();
             (scene, text.to_vec())
         }
     };
@@ -94,7 +94,7 @@ pub(super) fn opened(
 /// The scene that the recording carries.
 pub(super) fn attached_scene(recording: &Recording) -> anyhow::Result<Scene> {
     let path = recording.path().display();
-    let Some(bytes) = recording.scene_toml()? else {
+    let Some(bytes) = recording.only_scene()? else {
         let attachments = recording.container().attachments().iter();
         let named = attachments.map(|attachment| attachment.name.clone());
         let named: BTreeSet<String> = named.collect();

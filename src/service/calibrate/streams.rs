@@ -108,7 +108,7 @@ pub(super) fn read(
             let scene = scene_from_toml(&text);
             Some(scene.map_err(|error| error.in_file(file.display().to_string()))?)
         }
-        None if recording.scene_toml()?.is_some() => Some(attached_scene(&recording)?),
+        None if recording.only_scene()?.is_some() => Some(attached_scene(&recording)?),
         None => None,
     };
     let (topics, tracks) =

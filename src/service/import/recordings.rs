@@ -172,7 +172,7 @@ fn part(
     {
         warnings.push(format!("the scene does not match: {error}"));
     }
-    if scene.is_none() && recording.scene_toml()?.is_none() {
+    if scene.is_none() && recording.only_scene()?.is_none() {
         warnings.push(format!(
             "no {SCENE_NAME} is attached: --scene FILE attaches one"
         ));
