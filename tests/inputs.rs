@@ -336,7 +336,10 @@ fn what_has_no_end_is_refused_at_once() {
     .expect("write");
     let zeros = format!("t,x,y,z\n0,1,2,{}\n", "\0".repeat(200_000));
     fs::write(bench.path("zeros.csv"), zeros).expect("write");
-    let cell = format!("t,x,y,z\n0,1,2,{}\n", "é".repeat(200_000));
+    let cell = format!(
+        "t,x,y,z\n0,1,2,3\n0.1,1,2,3\n0.2,1,2,{}\n",
+        "é".repeat(200_000)
+    );
     fs::write(bench.path("cell.csv"), cell).expect("write");
     for (words, expected) in [
         (
@@ -359,7 +362,7 @@ fn what_has_no_end_is_refused_at_once() {
             "long.csv:3: the line is longer than",
         ),
         ("import zeros.csv -o x.mcap", "expected"),
-        ("import cell.csv -o x.mcap", "cell.csv:2"),
+        ("import cell.csv -o x.mcap", "cell.csv:4"),
     ] {
         let ran = bench.enact(words, Stdio::null());
         let said = String::from_utf8_lossy(&ran.stderr);

@@ -68,6 +68,8 @@ pub(super) struct Surveyed {
     stamped: u64,
     /// The least of those stamps, of either sign \[ns\].
     least_ns: i64,
+    /// Whether a message without came after one with.
+    is_missing: bool,
     /// Frames in which poses are given, seen from those in which they stand, with what was seen in each.
     pub(super) frames: BTreeMap<String, FrameSeen>,
 }
@@ -84,9 +86,9 @@ pub(super) struct FrameSeen {
 }
 
 impl Surveyed {
-    /// Whether a stamp of zero is a time, the beginning of a clock: else it is none.
+    /// Whether a stamp of zero is a time, the beginning of a clock: else, or where there is one among others, it is none.
     pub(super) fn zero_is_a_time(&self) -> bool {
-        self.stamped > 0 && self.least_ns < OWN_CLOCK_NS
+        self.stamped > 0 && self.least_ns < OWN_CLOCK_NS && !self.is_missing
     }
 
     fn stamp(&mut self, stamp: Option<Stamp>) {
@@ -97,6 +99,8 @@ impl Surveyed {
                 _ => self.least_ns.min(size_ns),
             };
             self.stamped += 1;
+        } else {
+            self.is_missing |= self.stamped > 0;
         }
     }
 
