@@ -555,6 +555,18 @@ fn attributes_and_elements_without_number_take_no_time_and_few_words() {
     let strange = whole().replacen("</robot>", &format!("{strange}</robot>"), 1);
     let made = scene_from_urdf(&strange).expect("a scene");
     assert!(made.notes.len() <= 101, "{}", made.notes.len());
+    let mut long = String::from("<robot name=\"r\">");
+    for link in 0..20_000 {
+        long += &format!("<link name=\"l{link}\">{MASS}</link>");
+    }
+    for link in 1..20_000 {
+        let above = link - 1;
+        long += &format!(
+            "<joint name=\"j{link}\" type=\"fixed\"><parent link=\"l{above}\"/><child link=\"l{link}\"/></joint>"
+        );
+    }
+    let error = scene_from_urdf(&(long + "</robot>")).unwrap_err();
+    assert!(error.message.contains("2000 at most"), "{error}");
     // Seconds of the slowest build; it took half a minute.
     assert!(begun.elapsed().as_secs() < 15, "{:?}", begun.elapsed());
 }

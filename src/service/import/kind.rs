@@ -23,10 +23,8 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
     }
     let rosbags = |what: &str| {
         format!(
-            "{shown}: is {what}, expected a table of poses or MCAP; make MCAP of it with\n  \
-             pip install rosbags==0.11.9\n  \
-             rosbags-convert --src {shown} --dst {}_mcap --dst-storage mcap\n\
-             and import the .mcap in that folder",
+            "{shown}: is {what}, expected a table of poses or MCAP; make MCAP of it: `pip install rosbags==0.11.9`, then \
+             `rosbags-convert --src {shown} --dst {}_mcap --dst-storage mcap`, and import that folder",
             path.with_extension("").display()
         )
     };
@@ -39,17 +37,10 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
         let folder = folder.unwrap_or(Path::new("."));
         bail!(
             "{shown}: is the storage of a ROS 2 bag, expected a table of poses or MCAP; make MCAP of its \
-             folder, where metadata.yaml is, with\n  \
-             pip install rosbags==0.11.9\n  \
-             rosbags-convert --src {} --dst {}_mcap --dst-storage mcap\n\
-             and import the .mcap in that folder",
+             folder, where metadata.yaml is: `pip install rosbags==0.11.9`, then `rosbags-convert --src {} --dst {}_mcap \
+             --dst-storage mcap`, and import that folder",
             folder.display(),
             beside.display()
-        );
-    }
-    if bytes.starts_with(&[0x28, 0xb5, 0x2f, 0xfd]) {
-        bail!(
-            "{shown}: is packed with zstd, expected a table of poses or MCAP: `zstd -d {shown}` unpacks it"
         );
     }
     if bytes.starts_with(b"HIERARCHY") {
