@@ -12,7 +12,7 @@ pub use scene_file::scene_toml;
 
 use enact::math::Pose;
 use enact::motion::{
-    ArcEstimate, Collision, ContactLaw, ContactLawIndex, Event, EventKind, Feature, FreeBody,
+    ArcEstimate, Collision, ContactLaw, ContactLawIndex, Event, EventKind, Feature, FreeBody, Hand,
     LinkIndex, MechanismIndex, Scene, Surface, Timing, VelocityGaps, Weights,
 };
 use enact::physics::contact::Contact;
