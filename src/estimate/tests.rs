@@ -12,9 +12,9 @@ use super::recipe::{self, Recipe};
 use crate::math::{Pose, differentiate};
 use crate::motion::{
     ArcGuess, Collision, Cone, ContactLaw, ContactLawIndex, Event, EventKind, Feature, FreeBody,
-    FreeParameter, Goal, GoalTarget, Guess, LinkIndex, MarkTime, Partner, Quantity, Sample, Scene,
-    Seen, Sees, Segment, Sketch, Stamp, Surface, Timing, Touching, Track, TrackIndex, TrackSketch,
-    VelocityGaps, View, Weighing, Weights,
+    FreeParameter, Goal, GoalTarget, Guess, Hand, LinkIndex, MarkTime, Partner, Quantity, Sample,
+    Scene, Seen, Sees, Segment, Sketch, Stamp, Surface, Timing, Touching, Track, TrackIndex,
+    TrackSketch, VelocityGaps, View, Weighing, Weights,
 };
 use crate::optimise::finish::Tolerances;
 use crate::optimise::{Program, Schedule, System};

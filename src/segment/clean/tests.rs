@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::math::Pose;
 use crate::motion::{
-    Collision, ContactLaw, ContactLawIndex, Event, Feature, FreeBody, LinkIndex, PoseSample,
+    Collision, ContactLaw, ContactLawIndex, Event, Feature, FreeBody, Hand, LinkIndex, PoseSample,
     Surface, Timing, VelocityGaps, Weights,
 };
 use crate::physics::{Shape, contact};

@@ -5,8 +5,8 @@ use typed_index_collections::TiVec;
 use super::*;
 use crate::math::Pose;
 use crate::motion::{
-    ContactLaw, ContactLawIndex, Event, EventKind, FreeBody, LinkIndex, Stamp, Surface, Timing,
-    VelocityGaps, Weights,
+    ContactLaw, ContactLawIndex, Event, EventKind, FreeBody, Hand, LinkIndex, Stamp, Surface,
+    Timing, VelocityGaps, Weights,
 };
 use crate::physics::Shape;
 use crate::segment::{refine, relocate_marks};
