@@ -341,7 +341,7 @@ fn files_that_are_no_recordings_are_refused() {
     fs::remove_file(bench.path("take.mcap")).unwrap();
     bench.refuses(&[], "take.mcap: cannot read: No such file");
     fs::create_dir(bench.path("take.mcap")).unwrap();
-    bench.refuses(&[], "take.mcap: cannot read: Is a directory");
+    bench.refuses(&[], "take.mcap: is a folder, expected a recording");
 }
 
 #[test]
@@ -353,7 +353,7 @@ fn outputs_that_cannot_be_written_are_refused() {
     }
     bench
         .enact(&["replay", "take.mcap", "-o", "./take.mcap"])
-        .failed_with("the estimate would replace the recording");
+        .failed_with("the output would replace an input");
     let before = fs::read(bench.path("take.mcap")).unwrap();
     fs::write(bench.path("file"), "").unwrap();
     bench

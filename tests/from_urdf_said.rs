@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::time::Instant;
 
 use assert_cmd::Command;
 use enact::config::{scene_from_toml, scene_from_urdf};
@@ -527,6 +528,47 @@ fn deep_and_odd_files_are_refused_without_harm() {
     assert!(error.message.contains("has no mass"), "{error}");
     let laughs = r#"<!DOCTYPE r [<!ENTITY a "aaaaaaaaaa">]><robot name="&a;"/>"#;
     assert!(scene_from_urdf(laughs).is_err());
+}
+
+/// Time goes with the length of the text, and what is said of it is for people.
+#[test]
+fn attributes_and_elements_without_number_take_no_time_and_few_words() {
+    let begun = Instant::now();
+    let many = |count: usize| -> String {
+        let attributes = (0..count).map(|at| format!(" a{at}=\"x\""));
+        attributes.collect()
+    };
+    let crowded = whole().replacen("<robot", &format!("<robot{}", many(80_000)), 1);
+    let error = scene_from_urdf(&crowded).unwrap_err();
+    assert!(
+        error.message.contains("more than 1000 attributes"),
+        "{error}"
+    );
+    let named = whole().replacen("<robot", &format!("<robot{}", many(900)), 1);
+    let made = scene_from_urdf(&named).expect("a scene");
+    assert!(made.notes.len() <= 101, "{}", made.notes.len());
+    let last = made.notes.last().expect("notes");
+    assert!(last.ends_with("more of the kind"), "{last}");
+    let strange = (0..100_000)
+        .map(|at| format!("<strange{at}/>"))
+        .collect::<String>();
+    let strange = whole().replacen("</robot>", &format!("{strange}</robot>"), 1);
+    let made = scene_from_urdf(&strange).expect("a scene");
+    assert!(made.notes.len() <= 101, "{}", made.notes.len());
+    let mut long = String::from("<robot name=\"r\">");
+    for link in 0..20_000 {
+        long += &format!("<link name=\"l{link}\">{MASS}</link>");
+    }
+    for link in 1..20_000 {
+        let above = link - 1;
+        long += &format!(
+            "<joint name=\"j{link}\" type=\"fixed\"><parent link=\"l{above}\"/><child link=\"l{link}\"/></joint>"
+        );
+    }
+    let error = scene_from_urdf(&(long + "</robot>")).unwrap_err();
+    assert!(error.message.contains("2000 at most"), "{error}");
+    // Seconds of the slowest build; it took half a minute.
+    assert!(begun.elapsed().as_secs() < 15, "{:?}", begun.elapsed());
 }
 
 proptest! {

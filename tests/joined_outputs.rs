@@ -31,7 +31,7 @@ use tempfile::TempDir;
 #[path = "support/robot.rs"]
 mod robot;
 
-use robot::Robot;
+use robot::{JointKind, Robot};
 
 const ENACT: Program = Program(env!("CARGO_BIN_EXE_enact"));
 
@@ -233,7 +233,7 @@ fn written(folder: &TempDir, profile: &str, motion: &Motion) -> Said {
         &path,
         &EstimateFile {
             input: &nothing(profile),
-            input_path: None,
+            made_of: &[],
             of: Reported {
                 scene: &motion.scene,
                 inferred: &[],
@@ -367,10 +367,10 @@ fn assert_one_robot(said: &Said, frames: usize) {
         // The transforms make the same tree with the same poses; what was performed has frames of its own.
         let transforms = said.transforms[stamp].iter();
         let transforms: Vec<_> = transforms.filter(|of| !of.1.ends_with("_sketch")).collect();
-        assert_eq!(transforms.len() + 1, said.robot().said.links.len());
+        assert_eq!(transforms.len() + 1, said.robot().links.len());
         for (parent, child, pose) in transforms {
             let joint = said.robot().joint_of(child).expect("a link with a parent");
-            assert_eq!(&joint.parent.link, parent);
+            assert_eq!(&joint.parent, parent);
             let expected = placed[parent].inverse() * placed[child];
             assert!(off(&expected, pose) < 1e-9, "{child} {stamp:?}");
         }
@@ -448,47 +448,29 @@ fn the_description_has_limits_dampers_masses_and_places_of_joints() {
     let motion = moving(ROOTS[0]);
     let said = written(&folder, "", &motion);
     let joint = |name: &str| {
-        let mut joints = said.robot().said.joints.iter();
+        let mut joints = said.robot().joints.iter();
         joints.find(|joint| joint.name == name).expect("a joint")
     };
     let first = joint("shoulder_1");
-    assert_eq!(first.joint_type, urdf_rs::JointType::Revolute);
-    assert!((first.limit.upper - 720_f64.to_radians()).abs() < 1e-12);
-    assert!((first.limit.lower + 720_f64.to_radians()).abs() < 1e-12);
+    assert_eq!(first.kind, JointKind::Revolute);
+    let [lower_rad, upper_rad] = first.limits_rad.expect("limits");
+    assert!((upper_rad - 720_f64.to_radians()).abs() < 1e-12);
+    assert!((lower_rad + 720_f64.to_radians()).abs() < 1e-12);
     for name in ["shoulder_2", "hip_y", "elbow"] {
-        assert_eq!(
-            joint(name).joint_type,
-            urdf_rs::JointType::Continuous,
-            "{name}"
-        );
+        assert_eq!(joint(name).kind, JointKind::Continuous, "{name}");
     }
-    let damping = |name: &str| joint(name).dynamics.as_ref().map(|of| of.damping);
+    let damping = |name: &str| joint(name).damping;
     assert_eq!((damping("hip_x"), damping("elbow")), (Some(0.01), None));
-    assert_eq!(
-        joint("trunk_estimate_joint").joint_type,
-        urdf_rs::JointType::Floating
-    );
-    assert_eq!(joint("finger").joint_type, urdf_rs::JointType::Fixed);
-    for link in &said.robot().said.links {
+    assert_eq!(joint("trunk_estimate_joint").kind, JointKind::Floating);
+    assert_eq!(joint("finger").kind, JointKind::Fixed);
+    for link in &said.robot().links {
         let mut links = motion.scene.links.iter();
         let body = links.find(|of| estimate_frame(&of.name) == link.name);
         let mass_kg = body.map_or(0.0, |of| of.body.mass_kg());
-        assert_eq!(link.inertial.mass.value, mass_kg, "{}", link.name);
+        assert_eq!(link.mass_kg, mass_kg, "{}", link.name);
         let moments = body.map_or(Vector3::zeros(), |of| of.body.moments_kg_m2());
-        assert_eq!(
-            (
-                link.inertial.inertia.ixx,
-                link.inertial.inertia.iyy,
-                link.inertial.inertia.izz
-            ),
-            (moments.x, moments.y, moments.z)
-        );
-        assert_eq!(
-            link.visual.len(),
-            usize::from(body.is_some()),
-            "{}",
-            link.name
-        );
+        assert_eq!(link.moments_kg_m2, [moments.x, moments.y, moments.z]);
+        assert_eq!(link.visuals, usize::from(body.is_some()), "{}", link.name);
     }
 }
 
@@ -655,13 +637,10 @@ fn assert_opens_in_rviz(estimate: &Path, expected: &Said) {
     assert_eq!(said.topic, topics::ROS_JOINTS);
     assert_eq!(said.joints, expected.joints);
     assert_eq!(said.transforms, expected.transforms);
-    assert_eq!(
-        said.robot().said.links.len(),
-        expected.robot().said.links.len()
-    );
+    assert_eq!(said.robot().links.len(), expected.robot().links.len());
     for of in said.transforms.values().flatten() {
         let is_ours = |name: &str| name.ends_with("_estimate") || name.ends_with("_sketch");
-        let is_link = said.robot().said.links.iter().any(|link| link.name == of.1);
+        let is_link = said.robot().links.iter().any(|link| link.name == of.1);
         assert!(is_link || is_ours(&of.1), "{}", of.1);
     }
     let container = Container::new(fs::read(&export).expect("read")).expect("MCAP");

@@ -357,7 +357,7 @@ fn what_cannot_be_changed_is_refused_and_leaves_nothing() {
         (
             &["--add", "1.2", "-o", "in.mcap"],
             1,
-            "would replace the recording",
+            "would replace an input",
         ),
         (
             &["--propose", "--add", "1.2", "-o", "x.mcap"],

@@ -653,7 +653,7 @@ fn the_picture_of_the_documents_is_what_its_command_makes() {
         let (before, rest) = text.split_once("<metadata>").expect("notes");
         let (notes, after) = rest.split_once("</metadata>").expect("notes");
         assert!(
-            notes.contains("SHA-256") && notes.contains("--svg docs/strobe_pencil_tip.svg"),
+            notes.contains("SHA-256") && notes.contains("--svg strobe_pencil_tip.svg"),
             "{notes}"
         );
         format!("{before}{after}")

@@ -157,6 +157,8 @@ fn estimates_among_recordings_are_left_alone_and_a_summary_ends_the_account() {
     let (code, said, errors) = ran(&[&["process", "-o", &out], &all[..]].concat());
     assert_eq!(code, 1, "{errors}");
     let lines: Vec<&str> = said.lines().collect();
+    // No account of each: a head, a line each and the sum.
+    assert_eq!(lines.len(), 6, "{said}");
     let end = &lines[lines.len() - 5..];
     for (line, [name, verdict]) in end.iter().zip([
         [&names[0], "physical"],

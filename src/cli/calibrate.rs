@@ -13,6 +13,12 @@ use crate::service::{
     SceneCalibrated, TouchingPoint,
 };
 
+/// Recordings that are listed.
+const TOLD: usize = 5;
+
+/// Lines of a kind that are listed.
+const LINES_TOLD: usize = 20;
+
 pub(super) fn run(command: CalibrateCommand) -> anyhow::Result<Exit> {
     let (inputs, topics, kind, common) = match command {
         CalibrateCommand::Pivot(of) => {
@@ -99,10 +105,15 @@ fn calibrate(
 fn text(found: &Calibrated) -> String {
     let of = &found.calibration;
     let mut text = String::new();
-    for source in &of.recording {
-        text += &format!(
-            "{}: {}, {} poses\n",
-            source.file, source.topic, source.poses
+    for source in of.recording.iter().take(TOLD) {
+        let line = format!("{}: {}, {} poses", source.file, source.topic, source.poses);
+        output::push_line(&mut text, line);
+    }
+    if let Some(others) = of.recording.get(TOLD..).filter(|others| !others.is_empty()) {
+        let poses: usize = others.iter().map(|source| source.poses).sum();
+        output::push_line(
+            &mut text,
+            format!("and {} others: {poses} poses", others.len()),
         );
     }
     let list = |numbers: &[f64]| {
@@ -141,16 +152,26 @@ fn text(found: &Calibrated) -> String {
     for line in &found.lost {
         output::push_line(&mut text, format!("  lost: {line}"));
     }
-    for line in &of.against {
-        output::push_line(&mut text, format!("  against: {line}"));
-    }
-    for line in &of.notes {
-        output::push_line(&mut text, format!("  note: {line}"));
-    }
+    push_some(&mut text, "against", &of.against);
+    push_some(&mut text, "note", &of.notes);
     if let Some(output) = &found.output {
         output::push_line(&mut text, format!("  written   {output}"));
     }
     text
+}
+
+/// The first of many lines, and how many others there are.
+fn push_some(text: &mut String, what: &str, lines: &[String]) {
+    for line in lines.iter().take(LINES_TOLD) {
+        output::push_line(text, format!("  {what}: {line}"));
+    }
+    if lines.len() > LINES_TOLD {
+        let others = lines.len() - LINES_TOLD;
+        output::push_line(
+            text,
+            format!("  {what}: {others} others, which `--format ndjson` lists"),
+        );
+    }
 }
 
 /// Four digits, as many as an interval has use for.

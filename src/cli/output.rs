@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::arguments::Format;
-use crate::report::{self, plain, plain_json};
+use crate::report::{self, plain_json, plain_line};
 use crate::service::is_pipe;
 
 /// Writes a text. A reader that has closed the pipe is no error.
@@ -21,9 +21,9 @@ pub(super) fn print(text: &str) -> io::Result<()> {
     }
 }
 
-/// Adds a line to a text for people: names in it may be anything ([`plain`]).
+/// Adds a line to a text for people: names in it may be anything, and of any length ([`plain_line`]).
 pub(super) fn push_line(text: &mut String, line: impl AsRef<str>) {
-    text.push_str(&plain(line.as_ref()));
+    text.push_str(&plain_line(line.as_ref()));
     text.push('\n');
 }
 
@@ -113,26 +113,41 @@ fn json_line(schema: &str, value: &impl Serialize) -> serde_json::Result<String>
 
 /// Prints an error on stderr; a closed stderr is ignored.
 pub(super) fn print_error(error: &str) {
-    let _ = writeln!(io::stderr(), "error: {}", plain(error));
+    let _ = writeln!(io::stderr(), "error: {}", plain_line(error));
 }
 
 /// Prints a warning on stderr; a closed stderr is ignored.
 #[cfg(feature = "live")]
 pub(super) fn print_warning(warning: &str) {
-    let _ = writeln!(io::stderr(), "warning: {}", plain(warning));
+    let _ = writeln!(io::stderr(), "warning: {}", plain_line(warning));
 }
 
 /// Prints a note on stderr, where stdout has another use.
 pub(super) fn print_note(note: &str) {
-    let _ = writeln!(io::stderr(), "note: {}", plain(note));
+    let _ = writeln!(io::stderr(), "note: {}", plain_line(note));
 }
 
-/// The program by its name, and its arguments as a shell takes them.
+/// The program by its name, and its arguments as a shell takes them. Of files the names alone: where they lie on a
+/// machine, and whose it is, is nobody's business who gets what was made.
 pub(super) fn command_line() -> String {
     let arguments = std::env::args_os().skip(1);
-    let arguments = arguments.map(|argument| argument.to_string_lossy().into_owned());
+    let arguments = arguments.map(|argument| without_folders(&argument.to_string_lossy()));
     let words: Vec<String> = ["enact".to_owned()].into_iter().chain(arguments).collect();
     report::command_line(&words)
+}
+
+/// `--out=a/b.csv` → `--out=b.csv`.
+fn without_folders(argument: &str) -> String {
+    let (option, value) = match argument.split_once('=') {
+        Some((option, value)) if option.starts_with('-') => (Some(option), value),
+        _ => (None, argument),
+    };
+    let name = Path::new(value).file_name();
+    let name = name.map_or(value.into(), |name| name.to_string_lossy());
+    match option {
+        Some(option) => format!("{option}={name}"),
+        None => name.into_owned(),
+    }
 }
 
 /// Whether colours are wanted on stdout.
@@ -148,4 +163,25 @@ pub(super) fn colours_on_stderr() -> bool {
 /// The convention of <https://no-color.org>: any text but the empty one forbids colours.
 fn colours_allowed() -> bool {
     std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::without_folders;
+
+    #[test]
+    fn of_files_the_names_alone_are_noted() {
+        for (argument, noted) in [
+            ("/home/user/takes/a b.mcap", "a b.mcap"),
+            ("../a.mcap", "a.mcap"),
+            ("a.mcap", "a.mcap"),
+            ("--output=/tmp/x.glb", "--output=x.glb"),
+            ("--fps", "--fps"),
+            ("-", "-"),
+            ("12,-5,40", "12,-5,40"),
+            ("..", ".."),
+        ] {
+            assert_eq!(without_folders(argument), noted);
+        }
+    }
 }

@@ -13,6 +13,9 @@ use crate::service::{self, ProcessJob, Processed, Refusal};
 /// Schema of the line of a recording: what became of its estimation.
 pub(super) const RECORDING_SCHEMA: &str = "enact.recording/1";
 
+/// Recordings of which each has an account; of more there is a line each, unless all is asked for.
+const TOLD: usize = 3;
+
 pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<Exit> {
     let job = ProcessJob {
         inputs: arguments.inputs,
@@ -21,6 +24,7 @@ pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<
         is_free_auto: arguments.free == Some(Free::Auto),
         deadline: arguments.limits.deadline,
     };
+    let tells_all = verbose || job.inputs.len() <= TOLD;
     let style = Style {
         colours: output::colours_on_stdout(),
         verbose,
@@ -33,7 +37,10 @@ pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<
             Ok(Processed::Estimated(report)) => {
                 match format {
                     Format::Ndjson => output::print_json(RECORDING_SCHEMA, &report)?,
-                    Format::Text => output::print(&format!("{}\n", account(&report, style)))?,
+                    Format::Text if tells_all => {
+                        output::print(&format!("{}\n", account(&report, style)))?;
+                    }
+                    Format::Text => {}
                 }
                 summary.estimated(&report);
                 if report.is_whole() {
@@ -60,6 +67,11 @@ pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<
     })?;
     if format == Format::Text {
         output::print(&summary.text())?;
+        if !tells_all {
+            output::print_note(
+                "-v prints the account of each recording; `enact report` draws an estimate",
+            );
+        }
     }
     Ok(exit)
 }

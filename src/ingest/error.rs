@@ -19,6 +19,15 @@ pub enum IngestError {
         /// Error of the operating system.
         source: io::Error,
     },
+    /// It is a folder, as of a bag.
+    #[error(
+        "{}: is a folder, expected a recording; `enact import {} -o take.mcap` puts those in it together",
+        path.display(), path.display()
+    )]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+    },
     /// A table that holds no poses, or a cell of it that is none.
     #[error(
         "{}{}: {message}",
@@ -42,8 +51,8 @@ pub enum IngestError {
     },
     /// A body's topic is not in the recording.
     #[error(
-        "{}: no topic {topic}, which body {body:?} of the scene wants; the recording has {}",
-        path.display(), listed(present)
+        "{}: no topic {topic}, which body {body:?} of the scene wants; the recording has {}{}",
+        path.display(), listed(present), expected_topic(offered)
     )]
     TopicAbsent {
         /// The recording.
@@ -54,6 +63,49 @@ pub enum IngestError {
         topic: String,
         /// The topics that are there.
         present: BTreeSet<String>,
+        /// What has poses, as scenes write it.
+        offered: BTreeSet<String>,
+    },
+    /// Several scenes are attached, and they differ.
+    #[error(
+        "{}: {count} attachments are named scene.toml and are not the same, expected one; --scene FILE says which scene \
+         counts, `enact import --scene FILE` puts it in their place",
+        path.display()
+    )]
+    ManyScenes {
+        /// The recording.
+        path: PathBuf,
+        /// How many.
+        count: usize,
+    },
+    /// Poses on a topic are given in several frames, of which nothing says how they lie.
+    #[error(
+        "{}: poses on {topic} are given in {} frames ({}), and no transform says how they lie in each other: are these two \
+         publishers? Name one frame in the scene, as in topic = \"{topic}@{}\", or record the transforms on /tf_static",
+        path.display(), frames.len(), listed(frames), frames.first().map_or("", String::as_str)
+    )]
+    ManyFrames {
+        /// The recording.
+        path: PathBuf,
+        /// The topic.
+        topic: String,
+        /// The frames.
+        frames: BTreeSet<String>,
+    },
+    /// The frame that the scene names never comes on its topic.
+    #[error(
+        "{}: poses on {topic} are given in {}, never in frame {frame:?}",
+        path.display(), listed(frames)
+    )]
+    FrameAbsent {
+        /// The recording.
+        path: PathBuf,
+        /// The topic.
+        topic: String,
+        /// What the scene names.
+        frame: String,
+        /// The frames.
+        frames: BTreeSet<String>,
     },
     /// A topic that is asked for is not in the recording.
     #[error(
@@ -167,6 +219,21 @@ pub enum IngestError {
         /// What comes instead.
         children: BTreeSet<String>,
     },
+}
+
+/// What to write in a scene, as the end of a sentence.
+fn expected_topic(offered: &BTreeSet<String>) -> String {
+    match offered.len() {
+        0 => ", none with poses that can be read".to_owned(),
+        1 => format!(
+            "; expected topic = {:?} in its [[body]]",
+            offered.first().map_or("", String::as_str)
+        ),
+        _ => format!(
+            "; expected one with poses as its topic: {}",
+            listed(offered)
+        ),
+    }
 }
 
 /// Number of names that are listed in an error: a file may have thousands.

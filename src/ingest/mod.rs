@@ -9,19 +9,22 @@
 
 pub mod clock;
 mod error;
+mod frames;
 #[cfg(feature = "live")]
 pub mod live;
 mod mark_list;
 mod marks;
+mod path;
 mod poses;
 mod recording;
 mod report;
 mod route;
 mod source;
+mod survey;
 pub mod table;
 
 pub use crate::wire::container::{Digest, digest};
-pub use crate::wire::{is_pipe, read_whole};
+pub use crate::wire::{is_pipe, read_text, read_whole};
 pub use error::{IngestError, listed};
 pub use mark_list::{ListedMark, MarkTime, marks_of_file};
 pub use marks::MarkMessage;

@@ -2,8 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::path::PathSeen;
 use super::recording::Recording;
-use crate::motion::Holds;
+use crate::motion::{Holds, Stamp};
 use crate::wire::{FramedPose, PoseFormat};
 
 /// The poses of one child on one topic.
@@ -23,6 +24,8 @@ pub struct PoseExtent {
     pub norms: Option<[f64; 2]>,
     /// Poses with a number that is not finite; they count for nothing else.
     pub not_finite: u64,
+    /// Whether they seem to be of two publishers, in words.
+    pub mixed: Option<String>,
 }
 
 impl Recording {
@@ -42,6 +45,8 @@ impl Recording {
             })
             .collect();
         let mut found: BTreeMap<(u16, String), PoseExtent> = BTreeMap::new();
+        // Several channels may have one topic.
+        let mut paths: BTreeMap<(&str, String), PathSeen> = BTreeMap::new();
         let mut poses: Vec<FramedPose> = Vec::new();
         let mut walk = container.walk();
         while let Some(message) = walk.next_message() {
@@ -52,19 +57,27 @@ impl Recording {
             if format.decode(message.data, &mut poses).is_err() {
                 continue;
             }
+            let topic = container.channels()[&message.channel_id].topic.as_str();
             for pose in &poses {
+                let path = paths.entry((topic, pose.child.clone())).or_default();
+                path.note(&pose.sample(Stamp(0)));
                 let key = (message.channel_id, pose.child.clone());
                 let of = found.entry(key).or_insert_with(|| PoseExtent {
-                    topic: container.channels()[&message.channel_id].topic.clone(),
+                    topic: topic.to_owned(),
                     child: pose.child.clone(),
                     frames: BTreeSet::new(),
                     count: 0,
                     extent_m: None,
                     norms: None,
                     not_finite: 0,
+                    mixed: None,
                 });
                 of.add(pose);
             }
+        }
+        for of in found.values_mut() {
+            let path = paths.remove(&(of.topic.as_str(), of.child.clone()));
+            of.mixed = path.and_then(|path| path.mixed(&of.topic));
         }
         let mut all: Vec<PoseExtent> = found.into_values().collect();
         all.sort_by(|a, b| (&a.topic, &a.child).cmp(&(&b.topic, &b.child)));

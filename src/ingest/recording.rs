@@ -7,6 +7,7 @@ use super::error::IngestError;
 use super::report::TakeReport;
 use super::route::{self, Format};
 use super::source::{RecordingSource, Source};
+use super::survey::{Survey, cameras, choose_frames};
 use crate::motion::{Scene, SketchRow, Stamp, TakeEvent};
 use crate::wire::container::{Channel, Reading};
 use crate::wire::decode::PoseFormat;
@@ -49,6 +50,11 @@ impl Recording {
     /// [`Recording::open`], which stops reading at a deadline, wherever it is
     /// ([`Damage::Late`](crate::wire::container::Damage::Late)).
     pub fn open_until(path: &Path, deadline: Option<Instant>) -> Result<Self, IngestError> {
+        if path.is_dir() {
+            return Err(IngestError::Folder {
+                path: path.to_owned(),
+            });
+        }
         let bytes = read_whole(path).map_err(|source| IngestError::Read {
             path: path.to_owned(),
             source,
@@ -83,13 +89,28 @@ impl Recording {
         &self.container
     }
 
-    /// The scene it carries: the last attachment named [`SCENE_NAME`].
+    /// The scene it carries: the last attachment named [`SCENE_NAME`]. [`Recording::only_scene`] asks whether there is
+    /// another.
     pub fn scene_toml(&self) -> Option<&[u8]> {
-        self.container
-            .attachments()
-            .iter()
-            .rfind(|attachment| attachment.name == SCENE_NAME)
-            .map(|attachment| self.container.attachment_data(attachment))
+        self.scenes().last()
+    }
+
+    /// [`Recording::scene_toml`]; fails where several are attached that differ.
+    pub fn only_scene(&self) -> Result<Option<&[u8]>, IngestError> {
+        let last = self.scene_toml();
+        if self.scenes().all(|scene| Some(scene) == last) {
+            return Ok(last);
+        }
+        Err(IngestError::ManyScenes {
+            path: self.path.clone(),
+            count: self.scenes().count(),
+        })
+    }
+
+    fn scenes(&self) -> impl Iterator<Item = &[u8]> {
+        let attachments = self.container.attachments().iter();
+        let scenes = attachments.filter(|attachment| attachment.name == SCENE_NAME);
+        scenes.map(|attachment| self.container.attachment_data(attachment))
     }
 
     /// Topics with messages that hold poses, in alphabetical order, but for those of an estimate.
@@ -119,8 +140,14 @@ impl Recording {
     /// Fails where a topic is absent or its messages cannot be read; while reading, fails where a
     /// topic carries several frames and the scene does not say which.
     pub fn source(&self, scene: &Scene) -> Result<RecordingSource, IngestError> {
-        let (routes, feeds) = route::routes(&self.path, &self.container, scene)?;
+        let mut notes = Vec::new();
+        let (mut routes, feeds) = route::routes(&self.path, &self.container, scene, &mut notes)?;
+        let survey = Survey::of(&self.container, &routes, &feeds);
+        let along = scene.gravity_m_s2.normalize();
+        choose_frames(&self.path, &survey, &mut routes, &mut notes)?;
+        notes.extend(cameras(&survey, &routes, along));
         let report = TakeReport {
+            notes,
             messages: self.container.message_count(),
             bytes: self.container.byte_count(),
             is_truncated: self.is_truncated(),
@@ -133,6 +160,7 @@ impl Recording {
             self.container.walk(),
             routes,
             feeds,
+            survey,
             report,
         ))
     }
@@ -140,7 +168,7 @@ impl Recording {
     /// The rows of the written sketch that the recording was made of: its keyframes topic by topic,
     /// with its marks among them in order of time; `None` where it has no keyframes.
     pub fn sketch(&self, scene: &Scene) -> Result<Option<Vec<SketchRow>>, IngestError> {
-        let (routes, feeds) = route::routes(&self.path, &self.container, scene)?;
+        let (routes, feeds) = route::routes(&self.path, &self.container, scene, &mut Vec::new())?;
         let mut rows: Vec<(usize, Stamp, SketchRow)> = Vec::new();
         let mut walk = self.container.walk();
         while let Some(message) = walk.next_message() {

@@ -34,6 +34,10 @@ pub struct TakeReport {
     /// Least log time less stamp of a pose \[ns\]: the difference of the two clocks, up to the
     /// least delay.
     pub log_offset_ns: Option<i64>,
+    /// How frames, clocks and topics were taken, in words.
+    pub notes: Vec<String>,
+    /// Readings of several publishers that are mixed, in words.
+    pub mixed: Vec<String>,
     /// Messages on the scene's topics that were not decoded because there are too many samples.
     pub beyond_limit: u64,
     /// Most samples and marks that are read of a recording of this size.
@@ -54,8 +58,12 @@ impl TakeReport {
         self.topics.iter().map(|topic| topic.undecodable).sum()
     }
 
-    /// Whether data were lost: by damage to the file or by messages that cannot be decoded or are too many.
+    /// Whether data were lost: by damage to the file or by messages that cannot be decoded or are too many, or mixed with
+    /// those of another publisher.
     pub fn is_lossy(&self) -> bool {
-        self.damages.count() > 0 || self.undecodable() > 0 || self.beyond_limit > 0
+        self.damages.count() > 0
+            || self.undecodable() > 0
+            || self.beyond_limit > 0
+            || !self.mixed.is_empty()
     }
 }

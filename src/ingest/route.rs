@@ -4,13 +4,20 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::error::IngestError;
+use super::frames::frame_name;
 use crate::motion::{Mount, Scene, Timing, TrackIndex};
-use crate::wire::KEYFRAME_SCHEMA;
 use crate::wire::container::{Channel, Container};
 use crate::wire::decode::{MARK_SCHEMAS, MarkFormat, POSE_SCHEMAS, PoseFormat};
+use crate::wire::{FramedPose, KEYFRAME_SCHEMA};
 
 /// Separates a topic from the name of a frame or pose on it.
 const CHILD_SEPARATOR: char = '#';
+
+/// Separates a topic, or the name of a pose on it, from the frame in which poses are given.
+const FRAME_SEPARATOR: char = '@';
+
+/// Messages of a topic that are looked at for the names of what is on it.
+const NAMED_IN: usize = 100;
 
 /// The use of a channel's messages for the scene.
 #[derive(Clone, Debug)]
@@ -39,6 +46,8 @@ pub(super) struct Route {
     pub(super) topic: String,
     /// Name of the child frame, where the scene gives one.
     pub(super) child: Option<String>,
+    /// The frame in which poses are read, where the scene gives one or the topic has several.
+    pub(super) frame: Option<String>,
     /// The children that were seen.
     pub(super) seen: BTreeSet<String>,
     /// How the track's tracker is mounted: a keyframe is a pose of the body.
@@ -47,12 +56,27 @@ pub(super) struct Route {
     pub(super) may_be_open: bool,
 }
 
+impl Route {
+    /// Whether a pose is of what the route reads, by its name.
+    pub(super) fn has_child(&self, pose: &FramedPose) -> bool {
+        self.child.as_ref().is_none_or(|child| *child == pose.child)
+    }
+}
+
+/// What a scene's topic refers to in a recording.
+struct Resolved {
+    topic: String,
+    child: Option<String>,
+    frame: Option<String>,
+}
+
 /// The routes of a scene's tracks, stream by stream, then the one of its marks, and the feeds by
 /// channel. An edited sketch needs no marks.
 pub(super) fn routes(
     path: &Path,
     container: &Container,
     scene: &Scene,
+    notes: &mut Vec<String>,
 ) -> Result<(Vec<Route>, BTreeMap<u16, Feed>), IngestError> {
     let mut routes = Vec::new();
     let mut feeds: BTreeMap<u16, Feed> = BTreeMap::new();
@@ -62,18 +86,22 @@ pub(super) fn routes(
         check_streams(path, &topics, scene, index)?;
         for stream in 0..scene.streams(index) {
             let wanted = scene.stream_topic(index, stream);
-            let (topic, child) =
-                resolve(&topics, &wanted).ok_or_else(|| IngestError::TopicAbsent {
-                    path: path.to_owned(),
-                    body: scene.link_seen_by(index).name.clone(),
-                    topic: wanted.clone(),
-                    present: present(),
-                })?;
+            let Resolved {
+                topic,
+                child,
+                frame,
+            } = match resolve(&topics, &wanted) {
+                Some(resolved) => resolved,
+                None => {
+                    let body = &scene.link_seen_by(index).name;
+                    elsewhere((path, container), body, &wanted, notes)?
+                }
+            };
             let format = |name: &str, encoding: &str| match (name, encoding) {
                 (KEYFRAME_SCHEMA, "json") => Some(Format::Keyframes),
                 _ => PoseFormat::of(name, encoding).map(Format::Poses),
             };
-            for (id, format) in formats(path, container, topic, format, POSE_SCHEMAS)? {
+            for (id, format) in formats(path, container, &topic, format, POSE_SCHEMAS)? {
                 let feed = feeds.entry(id).or_insert_with(|| Feed {
                     format,
                     routes: Vec::new(),
@@ -83,7 +111,8 @@ pub(super) fn routes(
             routes.push(Route {
                 track: Some(index),
                 stream,
-                child: child.map(str::to_owned),
+                child,
+                frame,
                 seen: BTreeSet::new(),
                 topic: wanted,
                 mount: Some(scene.mount(index)),
@@ -129,6 +158,7 @@ pub(super) fn routes(
         stream: 0,
         topic: marks.to_owned(),
         child: None,
+        frame: None,
         seen: BTreeSet::new(),
         mount: None,
         may_be_open: false,
@@ -145,7 +175,7 @@ fn check_streams(
 ) -> Result<(), IngestError> {
     let topic = &scene.tracks[track].topic;
     // Frames on one topic are known only when their messages are read.
-    if scene.timing != Timing::Edited || topic.contains(CHILD_SEPARATOR) {
+    if scene.timing != Timing::Edited || topic.contains([CHILD_SEPARATOR, FRAME_SEPARATOR]) {
         return Ok(());
     }
     let numbered = |present: &&str| {
@@ -171,13 +201,106 @@ fn check_streams(
     })
 }
 
-/// The recording's topic, and the child on it, to which a scene's topic refers.
-fn resolve<'a>(present: &BTreeSet<&str>, topic: &'a str) -> Option<(&'a str, Option<&'a str>)> {
-    if present.contains(topic) {
-        return Some((topic, None));
+/// The recording's topic, and the child on it and the frame, to which a scene's topic refers.
+fn resolve(present: &BTreeSet<&str>, topic: &str) -> Option<Resolved> {
+    let of_topic = |topic: &str, frame: Option<&str>| {
+        let resolved = |topic: &str, child: Option<&str>| Resolved {
+            topic: topic.to_owned(),
+            child: child.map(str::to_owned),
+            frame: frame.map(|frame| frame_name(frame).to_owned()),
+        };
+        if present.contains(topic) {
+            return Some(resolved(topic, None));
+        }
+        let (base, child) = topic.split_once(CHILD_SEPARATOR)?;
+        present.contains(base).then(|| resolved(base, Some(child)))
+    };
+    let (whole, frame) = match topic.rsplit_once(FRAME_SEPARATOR) {
+        Some((whole, frame)) => (whole, Some(frame)),
+        None => (topic, None),
+    };
+    // A name may have the separator in it.
+    let as_named = of_topic(topic, None);
+    let is_child = as_named.as_ref().is_some_and(|of| of.child.is_some());
+    match (as_named, frame) {
+        (Some(found), None) => Some(found),
+        (Some(found), Some(_)) if !is_child => Some(found),
+        (as_named, _) => of_topic(whole, frame).or(as_named),
     }
-    let (base, child) = topic.split_once(CHILD_SEPARATOR)?;
-    present.contains(base).then_some((base, Some(child)))
+}
+
+/// Where a body is whose topic is not in the recording: on the only one that names it, where the scene has none of its
+/// own for it. Fails else, with where it may be.
+fn elsewhere(
+    (path, container): (&Path, &Container),
+    body: &str,
+    wanted: &str,
+    notes: &mut Vec<String>,
+) -> Result<Resolved, IngestError> {
+    let offered = offered(container);
+    let named: Vec<&(String, String)> = offered.iter().filter(|(_, child)| child == body).collect();
+    if let [(topic, child)] = named[..]
+        && wanted == format!("/tracker/{body}/pose")
+    {
+        notes.push(format!(
+            "no topic {wanted}: body {body:?} is taken from {topic}{CHILD_SEPARATOR}{child}, the only place with that name"
+        ));
+        return Ok(Resolved {
+            topic: topic.clone(),
+            child: Some(child.clone()),
+            frame: None,
+        });
+    }
+    let offers = offered.iter().map(|(topic, child)| match child.as_str() {
+        "" => topic.clone(),
+        child => format!("{topic}{CHILD_SEPARATOR}{child}"),
+    });
+    let topics = container.topics();
+    Err(IngestError::TopicAbsent {
+        path: path.to_owned(),
+        body: body.to_owned(),
+        topic: wanted.to_owned(),
+        present: topics.into_iter().map(str::to_owned).collect(),
+        offered: offers.collect(),
+    })
+}
+
+/// The topics with poses and the names on them, by their first messages; of an estimate none.
+fn offered(container: &Container) -> BTreeSet<(String, String)> {
+    let is_ours = |topic: &str| topic.starts_with("/estimate/") || topic.starts_with("/sketch/");
+    let mut left: BTreeMap<u16, (&str, PoseFormat, usize)> = container
+        .channels()
+        .iter()
+        .filter(|(_, channel)| !is_ours(&channel.topic))
+        .filter_map(|(id, channel)| {
+            let schema = container.schema_of(channel)?;
+            let format = PoseFormat::of(&schema.name, &channel.message_encoding)?;
+            Some((*id, (channel.topic.as_str(), format, NAMED_IN)))
+        })
+        .collect();
+    let mut found = BTreeSet::new();
+    let mut poses: Vec<FramedPose> = Vec::new();
+    let mut walk = container.walk();
+    while !left.is_empty()
+        && let Some(message) = walk.next_message()
+    {
+        let Some((topic, format, messages)) = left.get_mut(&message.channel_id) else {
+            continue;
+        };
+        *messages -= 1;
+        poses.clear();
+        if format.decode(message.data, &mut poses).is_ok() {
+            found.extend(
+                poses
+                    .iter()
+                    .map(|pose| ((*topic).to_owned(), pose.child.clone())),
+            );
+        }
+        if *messages == 0 {
+            left.remove(&message.channel_id);
+        }
+    }
+    found
 }
 
 /// The channels of a topic that can be read. Fails if the topic has channels, but none of these.

@@ -4,8 +4,11 @@ use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 
 use super::error::IngestError;
+use super::frames::{Rooted, seen_from};
+use super::path::PathSeen;
 use super::report::{TakeReport, TopicReport};
 use super::route::{Feed, Format, Route};
+use super::survey::Survey;
 use crate::motion::{Keyframe, Stamp, TakeEvent};
 use crate::wire::container::Walk;
 use crate::wire::{FramedPose, decode_keyframe};
@@ -49,6 +52,11 @@ pub struct RecordingSource {
     /// Events of the last message that were not yet returned.
     ready: VecDeque<(Stamp, TakeEvent)>,
     poses: Vec<FramedPose>,
+    survey: Survey,
+    /// Frames of poses that were read, each with how it stands.
+    frames: BTreeMap<String, Rooted>,
+    /// What was read on each route.
+    paths: Vec<PathSeen>,
     /// How many were returned.
     events: u64,
     report: TakeReport,
@@ -60,6 +68,7 @@ impl RecordingSource {
         walk: Walk,
         routes: Vec<Route>,
         feeds: BTreeMap<u16, Feed>,
+        survey: Survey,
         mut report: TakeReport,
     ) -> Self {
         report.topics = routes
@@ -72,10 +81,13 @@ impl RecordingSource {
         Self {
             path,
             walk,
+            paths: vec![PathSeen::default(); routes.len()],
             routes,
             feeds,
             ready: VecDeque::new(),
             poses: Vec::new(),
+            survey,
+            frames: BTreeMap::new(),
             events: 0,
             report,
         }
@@ -106,11 +118,14 @@ impl RecordingSource {
         let mut keyframe = None;
         let decoded = match feed.format {
             Format::Marks(format) => format.decode(message.data).map(|mark| {
-                let topic = &mut self.report.topics[feed.routes[0]];
+                let route = feed.routes[0];
+                let fallback = self.survey.fallback(route, log_time);
+                let topic = &mut self.report.topics[route];
                 topic.events += 1;
-                topic.stamped_by_log_time += u64::from(mark.stamp.is_none() && log_time.0 != 0);
-                self.ready
-                    .push_back((log_time, TakeEvent::Mark(mark.mark(log_time))));
+                topic.stamped_by_log_time +=
+                    u64::from(mark.stamp.is_none() && fallback.is_logged());
+                let mark = mark.mark(fallback.stamp());
+                self.ready.push_back((log_time, TakeEvent::Mark(mark)));
             }),
             Format::Poses(format) => {
                 self.poses.clear();
@@ -172,9 +187,9 @@ impl RecordingSource {
     }
 
     /// Hands the poses of the last message that belong to a route to its track's stream.
-    fn route_poses(&mut self, route: usize, log_time: Stamp) -> Result<(), IngestError> {
-        let topic = &mut self.report.topics[route];
-        let route = &mut self.routes[route];
+    fn route_poses(&mut self, index: usize, log_time: Stamp) -> Result<(), IngestError> {
+        let topic = &mut self.report.topics[index];
+        let route = &mut self.routes[index];
         let Some(track) = route.track else {
             return Ok(());
         };
@@ -182,11 +197,7 @@ impl RecordingSource {
             if route.seen.len() < NAMES_KEPT && !route.seen.contains(&pose.child) {
                 route.seen.insert(pose.child.clone());
             }
-            if route
-                .child
-                .as_ref()
-                .is_some_and(|child| *child != pose.child)
-            {
+            if !route.has_child(pose) {
                 continue;
             }
             if route.child.is_none() && route.seen.len() > 1 {
@@ -196,13 +207,35 @@ impl RecordingSource {
                     children: route.seen.clone(),
                 });
             }
-            topic.events += 1;
-            topic.stamped_by_log_time += u64::from(pose.stamp.is_none() && log_time.0 != 0);
-            let frames = &mut self.report.frame_ids;
-            if frames.len() < NAMES_KEPT && !frames.contains(&pose.parent) {
-                frames.insert(pose.parent.clone());
+            if self.frames.len() >= NAMES_KEPT {
+                self.frames.clear();
             }
-            let sample = pose.sample(log_time);
+            if !self.frames.contains_key(&pose.parent) {
+                let rooted = self.survey.root_of(&pose.parent);
+                self.frames.insert(pose.parent.clone(), rooted);
+            }
+            let rooted = &self.frames[&pose.parent];
+            if route
+                .frame
+                .as_ref()
+                .is_some_and(|frame| *frame != rooted.root)
+            {
+                continue;
+            }
+            let fallback = self.survey.fallback(index, log_time);
+            topic.events += 1;
+            topic.stamped_by_log_time += u64::from(pose.stamp.is_none() && fallback.is_logged());
+            let frames = &mut self.report.frame_ids;
+            if frames.len() < NAMES_KEPT && !frames.contains(&rooted.root) {
+                frames.insert(rooted.root.clone());
+                self.report.notes.extend(standing(&pose.parent, rooted));
+            }
+            let sample = pose.sample(fallback.stamp());
+            let sample = match &rooted.root_from_frame {
+                Some(root_from_frame) => seen_from(root_from_frame, sample),
+                None => sample,
+            };
+            self.paths[index].note(&sample);
             let offset_ns = log_time.0.saturating_sub(sample.stamp.0);
             let least = self.report.log_offset_ns.get_or_insert(offset_ns);
             *least = offset_ns.min(*least);
@@ -214,6 +247,14 @@ impl RecordingSource {
             self.ready.push_back((log_time, event));
         }
         Ok(())
+    }
+
+    /// Says what the readings of each topic were like, once.
+    fn conclude(&mut self) {
+        for (path, route) in std::mem::take(&mut self.paths).iter().zip(&self.routes) {
+            self.report.mixed.extend(path.mixed(&route.topic));
+            self.report.notes.extend(path.norms(&route.topic));
+        }
     }
 
     /// Fails at the end where a child frame that the scene names never came.
@@ -244,8 +285,27 @@ impl Source for RecordingSource {
             }
             if !self.read_message()? {
                 self.check_children()?;
+                self.conclude();
                 return Ok(None);
             }
         }
+    }
+}
+
+/// How a frame of poses was taken, in words, if it is not simply the world.
+fn standing(frame: &str, rooted: &Rooted) -> Option<String> {
+    let Rooted {
+        root,
+        root_from_frame,
+        moves_in,
+    } = rooted;
+    match (root_from_frame, moves_in) {
+        (Some(_), None) => Some(format!(
+            "poses in frame {frame} are read in {root}, in which it stands by the recording's transforms"
+        )),
+        (None, None) => None,
+        (_, Some(above)) => Some(format!(
+            "poses in frame {frame} are read in {root}, which itself moves in {above}: expected one that stands still"
+        )),
     }
 }

@@ -216,7 +216,7 @@ impl Segment {
 pub enum DropReason {
     /// A coordinate or a component is NaN or infinite.
     NotFinite,
-    /// The quaternion's norm is off 1 by more than 1 %.
+    /// The quaternion's norm is off 1 by more than a tenth.
     NotUnit,
     /// Its message holds nothing of what its track sees.
     NotSeen,
@@ -235,6 +235,25 @@ pub enum DropReason {
 }
 
 impl DropReason {
+    /// What is wrong with such samples, after their number in a sentence.
+    pub fn said(self) -> &'static str {
+        match self {
+            DropReason::NotFinite => "with a number that is not finite",
+            DropReason::NotUnit => {
+                "with a quaternion whose norm is off 1 by more than a tenth (is another column among its four numbers?)"
+            }
+            DropReason::NotSeen => {
+                "without what the track sees (`sees` of a [[body.track]] says what)"
+            }
+            DropReason::Duplicate => "with the stamp of another",
+            DropReason::Frozen => "with the very pose before them",
+            DropReason::Outlier => "far from their neighbours",
+            DropReason::BeforeStart => "before the mark of the start",
+            DropReason::AfterEnd => "after the mark of the end",
+            DropReason::NearCollision => "too near a collision",
+        }
+    }
+
     /// Its name in reports.
     pub fn as_str(self) -> &'static str {
         match self {
@@ -262,7 +281,7 @@ pub struct SampleCounts {
     pub dropped: BTreeMap<DropReason, usize>,
     /// Samples that arrived after one with a later stamp, and were sorted in.
     pub reordered: usize,
-    /// Quaternions within 1 % of unit norm that were normalised.
+    /// Quaternions within a tenth of unit norm that were normalised.
     pub normalised: usize,
     /// Quaternions whose sign was flipped for continuity.
     pub flipped: usize,

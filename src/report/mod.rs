@@ -44,7 +44,7 @@ pub use goals::GoalLine;
 pub use held::HeldLine;
 pub use message::{ArcLine, EstimateMessage, REPORT_SCHEMA, json};
 pub use motion::{DurationLine, EventLine, ParameterLine, SegmentLine};
-pub use plain::{plain, plain_json, prints};
+pub use plain::{brief, plain, plain_json, plain_line, prints};
 pub use provenance::{ExportProvenance, Provenance, command_line};
 pub use reason::{MeasuredLine, TerminationLine, reason_text};
 pub use recording::{Circumstances, RecordingReport};

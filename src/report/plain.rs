@@ -25,6 +25,39 @@ pub fn plain(text: &str) -> Cow<'_, str> {
     Cow::Owned(plain)
 }
 
+/// Characters of a line that people read, of which the middle may be left out.
+const LINE: usize = 4000;
+
+/// Characters after those that are left out.
+const LINE_END: usize = 1000;
+
+/// The text, of which the middle is left out where it is longer than anybody reads: what is wrong may be a cell of
+/// ten megabytes, and it is said by whoever found it.
+pub fn brief(text: &str) -> Cow<'_, str> {
+    // Every character has a byte.
+    if text.len() <= LINE || text.chars().nth(LINE).is_none() {
+        return Cow::Borrowed(text);
+    }
+    let count = text.chars().count();
+    let place = |at: usize| {
+        text.char_indices()
+            .nth(at)
+            .map_or(text.len(), |(place, _)| place)
+    };
+    let (begin, end) = (place(LINE - LINE_END), place(count - LINE_END));
+    let left_out = count - LINE;
+    Cow::Owned(format!(
+        "{} [… {left_out} characters …] {}",
+        &text[..begin],
+        &text[end..]
+    ))
+}
+
+/// [`plain`] of what may be very long: [`brief`] before and after.
+pub fn plain_line(text: &str) -> String {
+    brief(&plain(&brief(text))).into_owned()
+}
+
 /// The same for a line of JSON, as its own escapes: it says the same to whoever parses it.
 pub fn plain_json(json: &str) -> Cow<'_, str> {
     if json.chars().all(prints) {
@@ -91,6 +124,19 @@ mod tests {
         ] {
             assert_eq!(plain(name), escaped);
         }
+    }
+
+    #[test]
+    fn of_what_is_very_long_begin_and_end_are_said() {
+        let long = format!("bad.csv:3: {} is no number", "\0".repeat(10_000_000));
+        let line = plain_line(&long);
+        assert!(line.starts_with("bad.csv:3: \\u{0}"), "{}", &line[..40]);
+        assert!(line.ends_with("is no number"));
+        assert!(line.chars().count() < LINE + 60);
+        let short = "ä".repeat(LINE);
+        assert!(matches!(brief(&short), Cow::Borrowed(same) if same == short));
+        let longer = "ä".repeat(LINE + 7);
+        assert!(brief(&longer).contains("[… 7 characters …]"));
     }
 
     #[test]

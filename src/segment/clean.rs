@@ -24,8 +24,8 @@ use crate::motion::{
     TakeEvent, Timing, Track, TrackIndex, TrackSketch,
 };
 
-/// Greatest deviation of a quaternion's norm from 1 for the reading to be used.
-const NORM_LIMIT: f64 = 0.01;
+/// Greatest deviation of a quaternion's norm from 1 for the reading to be used: programs round, and some average.
+const NORM_LIMIT: f64 = 0.1;
 
 /// Greatest deviation that is not counted as repaired.
 const NORM_ROUNDING: f64 = 1e-6;
@@ -378,7 +378,7 @@ fn no_samples_of(
     let reasons: Vec<String> = dropped
         .dropped
         .iter()
-        .map(|(reason, count)| format!(", {count} {}", reason.as_str()))
+        .map(|(reason, count)| format!(", {count} {}", reason.said()))
         .collect();
     SegmentError::NoSamplesOfBody {
         body: scene.link_seen_by(track).name.clone(),

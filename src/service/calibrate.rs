@@ -5,6 +5,7 @@ mod room;
 mod streams;
 mod tip;
 
+use std::iter;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
@@ -13,6 +14,7 @@ use serde::Serialize;
 use super::output::{refuse_present, write_new_file};
 use super::working::Working;
 use crate::config::{Calibration, scene_calibrated};
+use crate::ingest::read_text;
 
 /// What of a recording is looked at.
 #[derive(Clone, Debug, Default)]
@@ -83,6 +85,21 @@ pub struct CalibrateJob {
     pub kind: CalibrateKind,
 }
 
+impl CalibrateJob {
+    /// The files that it reads.
+    fn files(&self) -> impl Iterator<Item = &Path> {
+        let tip = match &self.kind {
+            CalibrateKind::Plane {
+                point: TouchingPoint::Pivot(file),
+                ..
+            } => Some(file),
+            _ => None,
+        };
+        let files = self.inputs.iter().chain(&self.choice.scene).chain(tip);
+        files.map(PathBuf::as_path)
+    }
+}
+
 /// The result of [`calibrate`].
 #[derive(Clone, Debug, Serialize)]
 pub struct Calibrated {
@@ -125,7 +142,8 @@ pub fn calibrate(job: &CalibrateJob) -> anyhow::Result<Calibrated> {
     };
     let toml = calibration.to_toml()?;
     if let Some(output) = &job.output {
-        write_new_file(output, toml.as_bytes())?;
+        let made_of: Vec<&Path> = job.files().collect();
+        write_new_file(output, toml.as_bytes(), &made_of)?;
     }
     Ok(Calibrated {
         calibration,
@@ -171,8 +189,7 @@ pub fn calibrate_scene(job: &CalibrateSceneJob) -> anyhow::Result<SceneCalibrate
         refuse_present(output)?;
     }
     let scene = job.scene.display().to_string();
-    let text =
-        std::fs::read_to_string(&job.scene).with_context(|| format!("{scene}: cannot read"))?;
+    let text = read_text(&job.scene).with_context(|| format!("{scene}: cannot read"))?;
     let mut against = Vec::new();
     let mut calibrations = Vec::new();
     for path in &job.calibrations {
@@ -195,7 +212,9 @@ pub fn calibrate_scene(job: &CalibrateSceneJob) -> anyhow::Result<SceneCalibrate
     let made = scene_calibrated(&text, &calibrations)
         .map_err(|error| error.in_file(format!("{scene} with its calibrations")))?;
     if let Some(output) = &job.output {
-        write_new_file(output, made.toml.as_bytes())?;
+        let files = iter::once(&job.scene).chain(&job.calibrations);
+        let made_of: Vec<&Path> = files.map(PathBuf::as_path).collect();
+        write_new_file(output, made.toml.as_bytes(), &made_of)?;
     }
     Ok(SceneCalibrated {
         scene,
@@ -212,7 +231,7 @@ pub fn calibrate_scene(job: &CalibrateSceneJob) -> anyhow::Result<SceneCalibrate
 /// Reads a calibration file.
 fn calibration(path: &Path) -> anyhow::Result<Calibration> {
     let file = path.display().to_string();
-    let text = std::fs::read_to_string(path).with_context(|| format!("{file}: cannot read"))?;
+    let text = read_text(path).with_context(|| format!("{file}: cannot read"))?;
     let read = Calibration::from_toml(&text);
     read.map_err(|error| match error {
         crate::config::CalibrationError::File(error) => error.in_file(file).into(),

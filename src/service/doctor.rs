@@ -10,6 +10,7 @@ use crate::ingest::live::{
     ANSWER_SERVICE, CONTROL_SERVICE, ESTIMATE_SERVICE, LABEL_SERVICE, TAKE_SERVICE, running_daemon,
     service_name, stream_topics, topic_of_service,
 };
+use crate::ingest::read_text;
 use crate::motion::Scene;
 use crate::write::{abandoned, topics};
 
@@ -76,7 +77,7 @@ pub fn doctor(job: &DoctorJob) -> anyhow::Result<Vec<Finding>> {
     }
     room("/dev/shm", Path::new("/dev/shm"), MEMORY_BYTES, &mut say);
     if let Some(path) = &job.scene {
-        let text = std::fs::read_to_string(path)
+        let text = read_text(path)
             .map_err(|error| anyhow::anyhow!("{}: cannot read: {error}", path.display()))?;
         let in_file = |error: crate::config::SceneError| error.in_file(path.display().to_string());
         let (scene, settings) = capture_from_toml(&text).map_err(in_file)?;
@@ -88,6 +89,9 @@ pub fn doctor(job: &DoctorJob) -> anyhow::Result<Vec<Finding>> {
     }
     Ok(findings)
 }
+
+/// What trackers publish.
+const POSE: &str = "enact.Pose.1";
 
 /// Says which daemon runs.
 fn look_for_daemon(job: &DoctorJob, say: &mut impl FnMut(&str, Health, String)) {
@@ -114,7 +118,7 @@ fn look_for_strangers(scene: &Scene, found: &Census, say: &mut impl FnMut(&str, 
     let known = services_of(scene);
     for service in &found.services {
         let (what, wanted) = match service.payload.as_str() {
-            "enact.Pose.1" => (
+            POSE => (
                 "poses",
                 stream_topics(scene)
                     .into_iter()
@@ -145,6 +149,12 @@ fn look_for_services(scene: &Scene, found: &Census, say: &mut impl FnMut(&str, H
     for (name, payload) in services_of(scene) {
         match found.services.iter().find(|service| service.name == name) {
             None if is_hidden(&name) => {}
+            None if payload == POSE => say(
+                &name,
+                Health::Poor,
+                "not there, so no tracker publishes: start its driver; the daemon will make it"
+                    .into(),
+            ),
             None => say(
                 &name,
                 Health::Well,
@@ -167,7 +177,7 @@ fn look_for_services(scene: &Scene, found: &Census, say: &mut impl FnMut(&str, H
 fn services_of(scene: &Scene) -> Vec<(String, &'static str)> {
     let streams = stream_topics(scene).into_iter();
     let mut services: Vec<_> = streams
-        .map(|stream| (service_name(&stream.topic), "enact.Pose.1"))
+        .map(|stream| (service_name(&stream.topic), POSE))
         .collect();
     services.push((service_name(&scene.marks_topic), "enact.Mark.1"));
     services.push((CONTROL_SERVICE.to_owned(), "enact.Control.1"));
@@ -251,6 +261,10 @@ fn of_service(service: &ServiceEntry) -> (Health, String) {
         service.nodes
     );
     let mut health = Health::Well;
+    if service.payload == POSE && service.ports.is_some_and(|(publishers, _)| publishers == 0) {
+        health = Health::Poor;
+        text.push_str("; no tracker publishes: start its driver");
+    }
     let is_full = service.ports.is_some_and(|(publishers, subscribers)| {
         publishers >= service.publishers || subscribers >= service.subscribers
     });

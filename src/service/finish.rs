@@ -1,5 +1,6 @@
 //! What all drivers share: find the scene, run the pipeline, write the file, report.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
@@ -10,11 +11,10 @@ use super::refusal::Refusal;
 use super::stopwatch::Stopwatch;
 use super::working::Working;
 use crate::config::scene_from_toml;
-use crate::ingest::{Recording, SCENE_NAME, TakeReport, is_pipe, listed};
+use crate::ingest::{Recording, SCENE_NAME, TakeReport, is_pipe, listed, read_text};
 use crate::motion::{Phase, Scene};
 use crate::pipeline::{Outcome, Pipeline};
 use crate::report::{Circumstances, RecordingReport, Reported};
-use crate::write::atomic::target_of;
 use crate::write::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, write_estimate};
 
 /// A recording and the scene with which it is read.
@@ -70,7 +70,7 @@ pub(super) fn opened(
 ) -> anyhow::Result<Opened> {
     let (scene, scene_toml) = match scene_file {
         Some(file) => {
-            let text = std::fs::read_to_string(file)
+            let text = read_text(file)
                 .with_context(|| format!("{}: cannot read the scene", file.display()))?;
             let scene = scene_from_toml(&text)
                 .map_err(|error| error.in_file(file.display().to_string()))?;
@@ -78,7 +78,7 @@ pub(super) fn opened(
         }
         None => {
             let scene = attached_scene(&recording)?;
-            let text = recording.scene_toml().unwrap_or_default();
+            let text = recording.only_scene()?.unwrap_or_default();
             (scene, text.to_vec())
         }
     };
@@ -94,8 +94,15 @@ pub(super) fn opened(
 /// The scene that the recording carries.
 pub(super) fn attached_scene(recording: &Recording) -> anyhow::Result<Scene> {
     let path = recording.path().display();
-    let Some(bytes) = recording.scene_toml() else {
-        bail!("{path}: no {SCENE_NAME} attached, expected one or --scene FILE");
+    let Some(bytes) = recording.only_scene()? else {
+        let attachments = recording.container().attachments().iter();
+        let named = attachments.map(|attachment| attachment.name.clone());
+        let named: BTreeSet<String> = named.collect();
+        let others = match named.is_empty() {
+            true => String::new(),
+            false => format!(" (attached are {})", listed(&named)),
+        };
+        bail!("{path}: no {SCENE_NAME} attached{others}, expected one or --scene FILE");
     };
     let text = std::str::from_utf8(bytes)
         .with_context(|| format!("{path}: the attached {SCENE_NAME} is not UTF-8"))?;
@@ -123,23 +130,6 @@ pub fn beside(input: &Path, ending: &str) -> anyhow::Result<PathBuf> {
         bail!("-: stdin has no name, expected one for the output: -o FILE, or -o - for stdout");
     }
     Ok(input.with_extension(ending))
-}
-
-/// Refuses an output that is the input or is no regular file, before the work is done.
-pub(super) fn check_distinct(input: &Path, output: &Path) -> anyhow::Result<()> {
-    target_of(output)?;
-    let same = input == output && !is_pipe(input)
-        || matches!(
-            (input.canonicalize(), output.canonicalize()),
-            (Ok(a), Ok(b)) if a == b
-        );
-    if same {
-        bail!(
-            "{}: the estimate would replace the recording, expected another name",
-            output.display()
-        );
-    }
-    Ok(())
 }
 
 /// Estimates the events that were pushed, writes the estimate, and returns the report.
@@ -183,16 +173,18 @@ pub(super) fn finished(
         "estimated"
     );
     working.now("writing");
+    let scene_file = opened.scene_file.as_deref();
+    let made_of: Vec<&Path> = [recording.path()].into_iter().chain(scene_file).collect();
     let written = write_estimate(
         output,
         &EstimateFile {
             input: recording.container(),
-            input_path: Some(recording.path()),
+            made_of: &made_of,
             of: reported(&outcome),
             scene_toml: &opened.scene_toml,
             provenance: Some(&provenance(
                 recording,
-                (&opened.scene_toml, opened.scene_file.as_deref()),
+                (&opened.scene_toml, scene_file),
                 pipeline,
             )),
             world_frame: world_frame(take),
@@ -261,6 +253,7 @@ pub(super) fn lost(take: &TakeReport) -> Vec<String> {
             reason.unwrap_or_default()
         ));
     }
+    lost.extend(take.mixed.iter().cloned());
     if take.beyond_limit > 0 {
         lost.push(format!(
             "{} messages on the scene's topics were not read: of a recording of {} bytes at most {} \
@@ -280,6 +273,7 @@ pub(super) fn warnings(take: &TakeReport) -> Vec<String> {
             topic.stamped_by_log_time, topic.events, topic.topic
         ));
     }
+    warnings.extend(take.notes.iter().cloned());
     if take.frame_ids.len() > 1 {
         warnings.push(format!(
             "poses are given in {} frames ({}), taken as one",

@@ -2,6 +2,7 @@
 
 mod kind;
 mod names;
+mod recordings;
 mod told;
 
 use std::path::{Path, PathBuf};
@@ -12,19 +13,19 @@ use serde::Serialize;
 use self::kind::Kind;
 use self::names::{Named, name_of_file, topics};
 use self::told::{Told, told};
-use super::finish::check_distinct;
+use super::guard::Inputs;
 use super::mark::{check_event, stamp_of};
 use super::working::Working;
 use crate::config::scene_from_toml;
 use crate::ingest::table::{PoseTable, TableOptions, read_table};
-use crate::ingest::{ListedMark, Recording, SCENE_NAME, read_whole};
+use crate::ingest::{ListedMark, SCENE_NAME, read_text, read_whole};
 use crate::motion::{Holds, Mark, PoseSample, Scene, Sees, Stamp};
-use crate::write::{DEFAULT_WORLD_FRAME, RecordingWriter, write_part};
+use crate::write::{DEFAULT_WORLD_FRAME, RecordingWriter};
 
 /// The input of [`import`].
 #[derive(Clone, Debug)]
 pub struct ImportJob {
-    /// Tables of poses, or one recording.
+    /// Tables of poses, or recordings of one bag, or the folder of that.
     pub inputs: Vec<PathBuf>,
     /// The recording to be made.
     pub output: PathBuf,
@@ -113,9 +114,9 @@ pub struct FlightLine {
 /// Fails where a file is none that can be read, which says what to do instead, where a table has no poses, or
 /// bodies cannot be told apart or assigned to the scene's.
 pub fn import(job: &ImportJob) -> anyhow::Result<Imported> {
-    for input in job.inputs.iter().chain(&job.scene) {
-        check_distinct(input, &job.output)?;
-    }
+    let files = recordings::files(&job.inputs)?;
+    let inputs = files.iter().chain(&job.scene);
+    Inputs::of(inputs.map(PathBuf::as_path)).keep_from(&job.output)?;
     let scene = job.scene.as_deref().map(read_scene).transpose()?;
     if let (Some(start_s), Some(end_s)) = (job.start_s, job.end_s) {
         ensure!(
@@ -125,83 +126,36 @@ pub fn import(job: &ImportJob) -> anyhow::Result<Imported> {
     }
     let working = Working::begin("reading");
     let mut tables = Vec::new();
-    for input in &job.inputs {
+    let mut recordings = Vec::new();
+    for input in &files {
         working.now(input.display().to_string());
         let bytes =
             read_whole(input).with_context(|| format!("{}: cannot read", input.display()))?;
         match kind::of(input, bytes)? {
             Kind::Table(text) => tables.push((input, read_table(input, &text, &job.options)?)),
-            Kind::Recording(bytes) => {
-                ensure!(
-                    job.inputs.len() == 1,
-                    "{}: is a recording, expected it alone: only tables are put together",
-                    input.display()
-                );
-                return part(job, input, bytes, scene.as_ref());
-            }
+            Kind::Recording(bytes) => recordings.push((input.clone(), bytes)),
         }
     }
     working.now("writing");
+    if let (Some((recording, _)), Some((table, _))) = (recordings.first(), tables.first()) {
+        bail!(
+            "{} is a recording and {} a table, expected files of one kind: import the table first, then both recordings",
+            recording.display(),
+            table.display()
+        );
+    }
+    if !recordings.is_empty() {
+        return recordings::recordings(job, recordings, scene.as_ref());
+    }
     recording(job, &tables, scene.as_ref())
 }
 
 fn read_scene(file: &Path) -> anyhow::Result<(Scene, String)> {
-    let text = std::fs::read_to_string(file)
-        .with_context(|| format!("{}: cannot read the scene", file.display()))?;
+    let text =
+        read_text(file).with_context(|| format!("{}: cannot read the scene", file.display()))?;
     let scene =
         scene_from_toml(&text).map_err(|error| error.in_file(file.display().to_string()))?;
     Ok((scene, text))
-}
-
-/// The part of a recording that is wanted, with the scene.
-fn part(
-    job: &ImportJob,
-    input: &Path,
-    bytes: Vec<u8>,
-    scene: Option<&(Scene, String)>,
-) -> anyhow::Result<Imported> {
-    let path = input.display();
-    ensure!(
-        job.options == TableOptions::default() && job.topics.is_empty() && job.marks.is_empty(),
-        "{path}: is a recording: only --scene, --start and --end apply to it (marks are added by `enact mark`)"
-    );
-    let recording = Recording::from_bytes(input, bytes)?;
-    let container = recording.container();
-    let Some((first, _)) = container.log_times() else {
-        bail!("{path}: has no messages");
-    };
-    let at = |seconds: f64| first.saturating_add((seconds * 1e9).round().max(0.0) as u64);
-    let from = job.start_s.map_or(0, at);
-    let to = job.end_s.map_or(u64::MAX, at);
-    let scene_toml = scene.map(|(_, text)| text.clone().into_bytes());
-    let mut warnings = Vec::new();
-    if let Some((scene, _)) = scene
-        && let Err(error) = recording.source(scene)
-    {
-        warnings.push(format!("the scene does not match: {error}"));
-    }
-    if scene.is_none() && recording.scene_toml().is_none() {
-        warnings.push(format!(
-            "no {SCENE_NAME} is attached: --scene FILE attaches one"
-        ));
-    }
-    let copied = write_part(&job.output, container, input, from..=to, scene_toml)?;
-    let damages = container.damages();
-    Ok(Imported {
-        inputs: vec![InputLine {
-            file: path.to_string(),
-            kind: "a recording".to_owned(),
-        }],
-        output: job.output.display().to_string(),
-        scene: scene.map(|(scene, _)| scene.name.clone()),
-        bodies: Vec::new(),
-        copied: Some(copied),
-        left_out: container.message_count().saturating_sub(copied),
-        marks: 0,
-        against: Vec::new(),
-        warnings,
-        lost: damages.first().iter().map(ToString::to_string).collect(),
-    })
 }
 
 /// The recording of what is in tables.
@@ -270,7 +224,9 @@ fn recording(
     entries.extend(marks.iter().map(|mark| (mark.stamp, Entry::Mark(mark))));
     entries.sort_by_key(|(stamp, _)| *stamp);
     let marks_topic = scene.map_or("/marks", |(scene, _)| scene.marks_topic.as_str());
-    let mut writer = RecordingWriter::create(&job.output)?;
+    let files = tables.iter().map(|(file, _)| file.as_path());
+    let made_of: Vec<&Path> = files.chain(job.scene.as_deref()).collect();
+    let mut writer = RecordingWriter::create_of(&job.output, &made_of)?;
     if let Some((_, text)) = scene {
         writer.attach(SCENE_NAME, "application/toml", text.as_bytes())?;
     }

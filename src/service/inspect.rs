@@ -10,7 +10,7 @@ use super::deadline::Deadline;
 use super::finish::{attached_scene, lost, opened, warnings};
 use super::words::words;
 use super::working::Working;
-use crate::ingest::Recording;
+use crate::ingest::{PoseExtent, Recording};
 use crate::motion::{Mark, Scene, Stamp, TakeEvent};
 
 /// Number of topics that are listed; a file may have 65,535.
@@ -145,11 +145,12 @@ pub fn inspect(
             .iter()
             .map(|attachment| attachment.name.clone())
             .collect(),
-        poses: poses(&recording),
+        poses: Vec::new(),
         scene: None,
         complaint: None,
         marks: Vec::new(),
     };
+    let poses = recording.poses();
     match scene {
         Ok(scene) => {
             inspection.scene = Some(scene.name.clone());
@@ -157,6 +158,11 @@ pub fn inspect(
         }
         Err(error) => inspection.complaint = Some(words(&error)),
     }
+    if inspection.complaint.is_some() {
+        // With a scene the topics that it reads are looked at.
+        inspection.warnings.extend(poses.iter().filter_map(|of| of.mixed.clone()));
+    }
+    inspection.poses = lines_of(poses);
     if deadline.is_over() {
         inspection.lost.push(format!(
             "the time limit of {} was reached: not everything was looked at",
@@ -201,8 +207,8 @@ pub(super) fn mark_line(mark: &Mark, first: Stamp) -> MarkLine {
     }
 }
 
-fn poses(recording: &Recording) -> Vec<PoseLine> {
-    let all = recording.poses().into_iter();
+fn lines_of(poses: Vec<PoseExtent>) -> Vec<PoseLine> {
+    let all = poses.into_iter();
     all.map(|of| PoseLine {
         topic: match of.child.as_str() {
             "" => of.topic,

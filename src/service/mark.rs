@@ -2,6 +2,7 @@
 
 mod edit;
 
+use std::iter;
 use std::path::PathBuf;
 
 use anyhow::{Context, bail, ensure};
@@ -11,7 +12,8 @@ pub use self::edit::MarkEdits;
 use self::edit::{Edited, edited, present};
 pub(super) use self::edit::{check_event, stamp_of};
 use super::deadline::Deadline;
-use super::finish::{Opened, check_distinct, lost, opened, warnings, with_recording};
+use super::finish::{Opened, lost, opened, warnings, with_recording};
+use super::guard::Inputs;
 use super::inspect::{MarkLine, mark_line};
 use super::working::Working;
 use crate::ingest::Take;
@@ -77,7 +79,8 @@ pub struct ProposalLine {
 /// to be changed is not there.
 pub fn mark(job: &MarkJob) -> anyhow::Result<Marked> {
     if let Some(output) = &job.output {
-        check_distinct(&job.input, output)?;
+        let own = iter::once(job.input.as_path()).chain(job.scene.as_deref());
+        Inputs::of(own.chain(job.edits.from_file.as_deref())).keep_from(output)?;
     }
     let _working = Working::begin(match job.is_proposing {
         true => "proposing marks",

@@ -18,6 +18,7 @@ mod doctor;
 mod export;
 mod finish;
 mod from_urdf;
+mod guard;
 mod import;
 mod inspect;
 mod mark;

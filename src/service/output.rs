@@ -10,13 +10,18 @@ use crate::write::atomic::AtomicFile;
 
 /// Writes a file, whole or not at all.
 pub fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    write_to(AtomicFile::create(path)?, bytes)
+    write_file_of(path, bytes, &[])
 }
 
-/// [`write_file`] of one that people work on by hand: it replaces none, not even one that came since it
+/// [`write_file`] of what is made of other files: nobody may read it who may not read them.
+pub(super) fn write_file_of(path: &Path, bytes: &[u8], made_of: &[&Path]) -> anyhow::Result<()> {
+    write_to(AtomicFile::create_of(path, made_of)?, bytes)
+}
+
+/// [`write_file_of`] one that people work on by hand: it replaces none, not even one that came since it
 /// was looked for ([`refuse_present`]).
-pub(super) fn write_new_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    let written = write_to(AtomicFile::create_fresh(path)?, bytes);
+pub(super) fn write_new_file(path: &Path, bytes: &[u8], made_of: &[&Path]) -> anyhow::Result<()> {
+    let written = write_to(AtomicFile::create_fresh_of(path, made_of)?, bytes);
     written.or_else(|error| match error.downcast_ref() {
         Some(WriteError::Exists { .. }) => is_present(path),
         _ => Err(error),

@@ -1,12 +1,14 @@
 //! Continues the motion of a recording from its flight, without what was seen later.
 
+use std::iter;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::bail;
 
 use super::deadline::Deadline;
-use super::finish::{beside, check_distinct, finish, open};
+use super::finish::{beside, finish, open};
+use super::guard::Inputs;
 use super::working::Working;
 use crate::motion::{EventKind, Scene};
 use crate::pipeline::Pipeline;
@@ -40,7 +42,8 @@ pub fn predict(job: &PredictJob) -> anyhow::Result<RecordingReport> {
         Some(output) => output.clone(),
         None => beside(&job.input, "predicted.mcap")?,
     };
-    check_distinct(&job.input, &output)?;
+    let inputs = iter::once(job.input.as_path()).chain(job.scene.as_deref());
+    Inputs::of(inputs).keep_from(&output)?;
     let working = Working::begin("reading");
     let mut opened = open(
         &job.input,

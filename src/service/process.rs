@@ -10,7 +10,8 @@ use anyhow::{Context, bail};
 use rayon::prelude::*;
 
 use super::deadline::Deadline;
-use super::finish::{check_distinct, finish, opened, output_path, with_recording};
+use super::finish::{finish, opened, output_path, with_recording};
+use super::guard::Inputs;
 use super::working::Working;
 use crate::ingest::Recording;
 use crate::pipeline::Pipeline;
@@ -102,7 +103,7 @@ pub fn process(
     })
 }
 
-/// The output file of each recording. Fails where two are equal or one is a recording.
+/// The output file of each recording. Fails where two are equal or one is an input.
 fn outputs(job: &ProcessJob) -> anyhow::Result<Vec<PathBuf>> {
     let mut taken: BTreeMap<PathBuf, &Path> = BTreeMap::new();
     let mut outputs = Vec::new();
@@ -118,10 +119,10 @@ fn outputs(job: &ProcessJob) -> anyhow::Result<Vec<PathBuf>> {
         }
         outputs.push(output);
     }
-    for input in &job.inputs {
-        for output in &outputs {
-            check_distinct(input, output)?;
-        }
+    let inputs = job.inputs.iter().chain(&job.scene);
+    let inputs = Inputs::of(inputs.map(PathBuf::as_path));
+    for output in &outputs {
+        inputs.keep_from(output)?;
     }
     Ok(outputs)
 }

@@ -1,11 +1,13 @@
 //! Plays one recording through the pipeline, event by event.
 
+use std::iter;
 use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use super::deadline::Deadline;
-use super::finish::{Opened, check_distinct, finished, opened, output_path, with_recording};
+use super::finish::{Opened, finished, opened, output_path, with_recording};
+use super::guard::Inputs;
 use super::publish::Publication;
 use super::working::Working;
 use crate::ingest::Source;
@@ -33,6 +35,15 @@ pub struct ReplayJob {
     pub deadline: Option<Duration>,
 }
 
+impl ReplayJob {
+    fn inputs(&self) -> Inputs {
+        let publish = self.publish.as_ref();
+        let iceoryx2 = publish.and_then(|publish| publish.iceoryx2.as_deref());
+        let own = iter::once(self.input.as_path());
+        Inputs::of(own.chain(self.scene.as_deref()).chain(iceoryx2))
+    }
+}
+
 /// Settings for publishing a recording.
 #[derive(Clone, Debug, Default)]
 pub struct PublishJob {
@@ -46,7 +57,7 @@ pub fn replay(job: &ReplayJob) -> anyhow::Result<RecordingReport> {
         Some(output) => output.clone(),
         None => output_path(&job.input, None)?,
     };
-    check_distinct(&job.input, &output)?;
+    job.inputs().keep_from(&output)?;
     let deadline = Deadline::begin(job.deadline);
     let working = Working::begin("reading");
     with_recording(&job.input, deadline, |recording| {

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use serde::Serialize;
 
-use super::finish::check_distinct;
-use super::output::write_file;
+use super::guard::Inputs;
+use super::output::write_file_of;
 use super::read_back::ReadBack;
 use super::working::Working;
 use crate::motion::{PoseSample, Sees, TakeEvent, TrackIndex};
@@ -80,7 +80,7 @@ pub fn report(job: &ReportJob) -> anyhow::Result<ReportMade> {
     }
     check(&job.input, &files)?;
     for (to, text) in files {
-        write_file(to, text.as_bytes())?;
+        write_file_of(to, text.as_bytes(), &[&job.input])?;
         made.outputs.push(to.display().to_string());
     }
     Ok(made)
@@ -104,13 +104,14 @@ pub(super) fn picture(input: &Path, view: View) -> anyhow::Result<Option<String>
 
 /// Refuses files of one name, and the recording as one of them.
 fn check(input: &Path, files: &[(&Path, String)]) -> anyhow::Result<()> {
+    let inputs = Inputs::of([input]);
     for (index, (to, _)) in files.iter().enumerate() {
         if files[..index].iter().any(|(other, _)| other == to) {
             bail!(
                 "page and picture would go to the same place, expected another name for one of them"
             );
         }
-        check_distinct(input, to)?;
+        inputs.keep_from(to)?;
     }
     Ok(())
 }

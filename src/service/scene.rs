@@ -10,6 +10,7 @@ use super::provenance::made_by;
 use crate::config::{
     BodyCheck, MeshFormat, NewObject, NewScene, SceneCheck, check_scene, new_scene, scene_from_toml,
 };
+use crate::ingest::{read_text, read_whole};
 
 /// The input of [`make_scene`].
 #[derive(Clone, Debug)]
@@ -55,6 +56,9 @@ pub struct NewSceneMade {
 
 /// Writes a scene of an object over a table. Never replaces a file: a scene is worked on by hand.
 pub fn make_scene(job: &NewSceneJob) -> anyhow::Result<NewSceneMade> {
+    if let Some(output) = &job.output {
+        refuse_present(output)?;
+    }
     let path = Path::new(&job.object);
     let ending = path.extension().and_then(|ending| ending.to_str());
     let object = match ending.and_then(MeshFormat::of_ending) {
@@ -68,8 +72,7 @@ pub fn make_scene(job: &NewSceneJob) -> anyhow::Result<NewSceneMade> {
                     job.object
                 ),
             };
-            let bytes =
-                std::fs::read(path).with_context(|| format!("{}: cannot read", job.object))?;
+            let bytes = read_whole(path).with_context(|| format!("{}: cannot read", job.object))?;
             let stem = path.file_stem().and_then(|stem| stem.to_str());
             NewObject::Mesh {
                 name: stem.unwrap_or("body").to_owned(),
@@ -105,7 +108,9 @@ pub fn make_scene(job: &NewSceneJob) -> anyhow::Result<NewSceneMade> {
     let scene = scene_from_toml(&made.toml)?;
     let checked = check_scene(&scene);
     let body = checked.bodies.into_iter().next();
-    write_new_file(&output, made_by(&job.command, &made.toml).as_bytes())?;
+    // Of a preset there is no such file.
+    let text = made_by(&job.command, &made.toml);
+    write_new_file(&output, text.as_bytes(), &[path])?;
     Ok(NewSceneMade {
         output: output.display().to_string(),
         scene: made.name,
@@ -117,7 +122,7 @@ pub fn make_scene(job: &NewSceneJob) -> anyhow::Result<NewSceneMade> {
 /// What the scene in a file means. Fails where the scene is refused.
 pub fn look_at_scene(path: &Path) -> anyhow::Result<SceneCheck> {
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path).with_context(|| format!("{name}: cannot read"))?;
+    let text = read_text(path).with_context(|| format!("{name}: cannot read"))?;
     let scene = scene_from_toml(&text).map_err(|error| error.in_file(name))?;
     Ok(check_scene(&scene))
 }

@@ -4,6 +4,7 @@ mod keyframes;
 mod places;
 
 use std::ffi::OsStr;
+use std::iter;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -14,11 +15,12 @@ pub use self::keyframes::Density;
 use self::keyframes::Motion;
 use self::places::placed;
 use super::deadline::Deadline;
-use super::finish::{check_distinct, lost, open, warnings};
-use super::output::write_file;
+use super::finish::{lost, open, warnings};
+use super::guard::Inputs;
+use super::output::write_file_of;
 use super::working::Working;
 use crate::config::{scene_from_toml, sketch_from_csv, sketch_from_toml};
-use crate::ingest::SCENE_NAME;
+use crate::ingest::{SCENE_NAME, read_text};
 use crate::motion::{Scene, SketchRow, Stamp};
 use crate::write::{RecordingWriter, csv_of_sketch, toml_of_sketch};
 
@@ -94,7 +96,8 @@ pub fn sketch(job: &SketchJob) -> anyhow::Result<Sketched> {
         .clone()
         .unwrap_or_else(|| job.input.with_extension(ending));
     let to = Kind::of(&output)?;
-    check_distinct(&job.input, &output)?;
+    let inputs = iter::once(job.input.as_path()).chain(job.scene.as_deref());
+    Inputs::of(inputs).keep_from(&output)?;
     if (from == Kind::Recording) == (to == Kind::Recording) {
         bail!(
             "{} and {}: expected one recording (.mcap) and one written sketch (.csv, .toml)",
@@ -119,19 +122,18 @@ fn write(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched>
     let Some(scene_file) = &job.scene else {
         bail!("{path}: expected --scene FILE, which says what the bodies and events are");
     };
-    let scene_toml = std::fs::read_to_string(scene_file)
+    let scene_toml = read_text(scene_file)
         .with_context(|| format!("{}: cannot read the scene", scene_file.display()))?;
     let scene = scene_from_toml(&scene_toml)
         .map_err(|error| error.in_file(scene_file.display().to_string()))?;
-    let text =
-        std::fs::read_to_string(&job.input).with_context(|| format!("{path}: cannot read"))?;
+    let text = read_text(&job.input).with_context(|| format!("{path}: cannot read"))?;
     let rows = match kind {
         Kind::Csv => sketch_from_csv(&text, &scene),
         _ => sketch_from_toml(&text, &scene),
     };
     let rows = rows.map_err(|error| error.in_file(path.to_string()))?;
     let placed = placed(&rows, &scene).with_context(|| path.to_string())?;
-    let mut recording = RecordingWriter::create(output)?;
+    let mut recording = RecordingWriter::create_of(output, &[&job.input, scene_file])?;
     recording.attach(SCENE_NAME, "application/toml", scene_toml.as_bytes())?;
     for (log_time, row) in placed {
         match row {
@@ -201,7 +203,9 @@ fn read(job: &SketchJob, output: &Path, kind: Kind, working: &Working) -> anyhow
         Kind::Csv => csv_of_sketch(&rows, scene),
         _ => toml_of_sketch(&rows, scene),
     };
-    write_file(output, text.as_bytes())?;
+    let own = iter::once(job.input.as_path()).chain(job.scene.as_deref());
+    let made_of: Vec<&Path> = own.collect();
+    write_file_of(output, text.as_bytes(), &made_of)?;
     Ok(account(job, output, (scene, &rows), notes))
 }
 

@@ -1,16 +1,20 @@
 //! Errors in one line.
 
-/// An error with its causes, each said once: some errors say their cause themselves.
+use crate::report::brief;
+
+/// An error with its causes, each said once: some errors say their cause themselves. What is in them may be of any length
+/// ([`brief`]).
 pub fn words(error: &anyhow::Error) -> String {
     let mut words = String::new();
     for cause in error.chain().map(ToString::to_string) {
+        let cause = brief(&cause).into_owned();
         if words.is_empty() {
             words = cause;
         } else if !words.contains(&cause) {
             words = format!("{words}: {cause}");
         }
     }
-    words
+    brief(&words).into_owned()
 }
 
 #[cfg(test)]

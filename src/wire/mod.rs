@@ -19,4 +19,4 @@ pub use container::{Container, ContainerError};
 pub use decode::{DecodeError, FramedPose, MarkFormat, PoseFormat, decode_text};
 pub use encode::{EncodeError, Encoded, JointState, Transform};
 pub use keyframe::{KEYFRAME_SCHEMA, decode_keyframe, encode_keyframe};
-pub use pipe::{is_pipe, read_whole};
+pub use pipe::{is_pipe, read_text, read_whole};

@@ -34,18 +34,35 @@ impl AtomicFile {
     /// file that has that name. Fails where the directory does not exist or may not be written,
     /// and where [`target_of`] does.
     pub fn create(path: &Path) -> Result<Self, WriteError> {
-        Self::open(path, target_of(path)?, builder(), true)
+        Self::create_of(path, &[])
+    }
+
+    /// [`AtomicFile::create`] of what is made of other files: nobody may read it who may not read one of these. A file
+    /// that is replaced keeps who may read it.
+    pub fn create_of(path: &Path, made_of: &[&Path]) -> Result<Self, WriteError> {
+        let target = target_of(path)?;
+        let mode = mode_of(&target, made_of);
+        let file = Self::open(path, target, builder(), (true, mode.at_first))?;
+        file.allow(mode.in_the_end)?;
+        Ok(file)
     }
 
     /// [`AtomicFile::create`] of a file that will replace none: [`AtomicFile::commit`] fails where
     /// the name is taken by then by anything but a file of the same bytes.
     pub fn create_fresh(path: &Path) -> Result<Self, WriteError> {
-        Self::open(path, path.to_owned(), builder(), false)
+        Self::create_fresh_of(path, &[])
+    }
+
+    /// [`AtomicFile::create_fresh`] of what is made of other files, as [`AtomicFile::create_of`].
+    pub fn create_fresh_of(path: &Path, made_of: &[&Path]) -> Result<Self, WriteError> {
+        let mode = ORDINARY & least_of(made_of);
+        Self::open(path, path.to_owned(), builder(), (false, mode))
     }
 
     /// [`AtomicFile::create_fresh`] with a temporary of the same name each time, so that one that a
-    /// killed process left is removed; the caller makes sure that no other process writes it.
-    pub(super) fn create_new(path: &Path) -> Result<Self, WriteError> {
+    /// killed process left is removed; the caller makes sure that no other process writes it. Nobody may read it who may
+    /// not read what it is made of.
+    pub(super) fn create_new(path: &Path, made_of: &Path) -> Result<Self, WriteError> {
         let mut name = OsString::from(".");
         name.push(path.file_name().unwrap_or_default());
         name.push(".writing");
@@ -60,14 +77,15 @@ impl AtomicFile {
         }
         let mut builder = tempfile::Builder::new();
         builder.prefix(&name).rand_bytes(0);
-        Self::open(path, path.to_owned(), builder, false)
+        let mode = ORDINARY & least_of(&[made_of]);
+        Self::open(path, path.to_owned(), builder, (false, mode))
     }
 
     fn open(
         path: &Path,
         target: PathBuf,
         mut builder: tempfile::Builder,
-        replaces: bool,
+        (replaces, mode): (bool, u32),
     ) -> Result<Self, WriteError> {
         let elsewhere = std::env::temp_dir();
         let directory = match is_pipe(path) {
@@ -76,7 +94,9 @@ impl AtomicFile {
         };
         // Temporaries are private by default; this one becomes an ordinary file.
         #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(mode));
+        #[cfg(not(unix))]
+        let _ = (mode, &mut builder);
         let (temporary, unfinished) = Unfinished::create(&builder, directory)
             .map_err(WriteError::io(path, "create a temporary file beside it"))?;
         Ok(Self {
@@ -86,6 +106,24 @@ impl AtomicFile {
             writer: BufWriter::with_capacity(BUFFER_BYTES, temporary),
             unfinished,
         })
+    }
+
+    /// Lets those read it that may read what it replaces, whatever is usual.
+    #[cfg(unix)]
+    fn allow(&self, mode: Option<u32>) -> Result<(), WriteError> {
+        let Some(mode) = mode else {
+            return Ok(());
+        };
+        let permissions = std::os::unix::fs::PermissionsExt::from_mode(mode);
+        let file = self.writer.get_ref().as_file();
+        file.set_permissions(permissions)
+            .map_err(WriteError::io(&self.path, "set who may read it"))
+    }
+
+    /// Nothing is known of who may read it here.
+    #[cfg(not(unix))]
+    fn allow(&self, _: Option<u32>) -> Result<(), WriteError> {
+        Ok(())
     }
 
     /// The final name.
@@ -139,6 +177,50 @@ impl AtomicFile {
         sync_directory_of(&target);
         Ok(())
     }
+}
+
+/// Who may read and write an ordinary file, but for what the system takes away.
+const ORDINARY: u32 = 0o666;
+
+/// Who may read a new file.
+struct Mode {
+    /// While it is written; the system takes some away.
+    at_first: u32,
+    /// Then; none: as it is.
+    in_the_end: Option<u32>,
+}
+
+/// Who may read a file that takes the place of another, if one is there, and is made of others.
+fn mode_of(target: &Path, made_of: &[&Path]) -> Mode {
+    let least = least_of(made_of);
+    match permissions_of(target) {
+        Some(replaced) => Mode {
+            at_first: replaced & least & 0o600,
+            in_the_end: Some(replaced & least),
+        },
+        None => Mode {
+            at_first: ORDINARY & least,
+            in_the_end: None,
+        },
+    }
+}
+
+/// What all of these files allow; what is no file forbids nothing, and its owner may always.
+fn least_of(files: &[&Path]) -> u32 {
+    let permissions = files.iter().filter_map(|file| permissions_of(file));
+    permissions.fold(0o777, |least, of| least & (of | 0o600))
+}
+
+#[cfg(unix)]
+fn permissions_of(path: &Path) -> Option<u32> {
+    use std::os::unix::fs::PermissionsExt;
+    let found = std::fs::metadata(path).ok()?;
+    found.is_file().then(|| found.permissions().mode() & 0o777)
+}
+
+#[cfg(not(unix))]
+fn permissions_of(_: &Path) -> Option<u32> {
+    None
 }
 
 /// Temporaries with names that nobody else has.

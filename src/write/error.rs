@@ -118,6 +118,21 @@ pub enum WriteError {
         /// In what way.
         source: ContainerError,
     },
+    /// Recordings that are put together promise different things of their channels.
+    #[error(
+        "{}: has the profile {profile:?}, and {} has {expected:?}; expected recordings of one bag",
+        path.display(), other.display()
+    )]
+    Profiles {
+        /// A recording.
+        path: PathBuf,
+        /// Its profile.
+        profile: String,
+        /// Another recording.
+        other: PathBuf,
+        /// The profile of that.
+        expected: String,
+    },
     /// Something live cannot be had or sent.
     #[cfg(feature = "live")]
     #[error(transparent)]

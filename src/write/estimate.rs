@@ -36,8 +36,8 @@ pub(super) const ESTIMATE_SCENE_NAME: &str = "estimate_scene.toml";
 pub struct EstimateFile<'a> {
     /// What came in.
     pub input: &'a Container,
-    /// Where it came from, if from a file: the output must be another.
-    pub input_path: Option<&'a Path>,
+    /// The files that it is made of: none is replaced, and nobody may read it who may not read them.
+    pub made_of: &'a [&'a Path],
     /// The estimate and what belongs to it.
     pub of: Reported<'a>,
     /// Its scene as text.
@@ -67,7 +67,7 @@ pub struct Written {
 /// was, in order of log time, but for what an earlier estimate added. Physical time zero is
 /// stamped as the first sample used. See [`topics`] for what is added.
 pub fn write_estimate(path: &Path, file: &EstimateFile) -> Result<Written, WriteError> {
-    if file.input_path.is_some_and(|input| is_same(path, input)) {
+    if file.made_of.iter().any(|of| is_same(path, of)) {
         return Err(WriteError::IsInput {
             path: path.to_owned(),
         });
@@ -84,7 +84,7 @@ pub fn write_estimate(path: &Path, file: &EstimateFile) -> Result<Written, Write
     let additions = Composer::new(path, file, &motion).compose()?;
     let added = additions.messages.len() as u64;
     let copied = merge::write(
-        AtomicFile::create(path)?,
+        AtomicFile::create_of(path, file.made_of)?,
         file.input,
         Some(ESTIMATE_SCENE_NAME),
         additions,

@@ -59,6 +59,7 @@ pub fn write_marks(
             data,
         });
     }
-    merge::write(AtomicFile::create(path)?, input, None, additions)?;
+    let file = AtomicFile::create_of(path, &[input_path])?;
+    merge::write(file, input, None, additions)?;
     Ok(())
 }

@@ -3,7 +3,7 @@
 //! Every file is written under a temporary name beside its final one ([`atomic`]) and renamed
 //! when it is whole: what bears the final name can be read. [`recording`] writes takes as the
 //! trackers gave them; [`estimate`] writes what came in, unchanged, and the estimated motion
-//! beside it, on the topics that [`topics`] lists; [`marks`] changes the marks of a recording, [`part`] cuts a take out of one, [`keyframes`]
+//! beside it, on the topics that [`topics`] lists; [`marks`] changes the marks of a recording, [`part`] cuts a take out of one, [`join`] puts several together, [`keyframes`]
 //! writes sketches as text that people edit, [`export`] the motion for programs that do not read recordings.
 //! `journal` keeps a live take as it comes, and [`mod@recover`] makes a recording of what a crash
 //! left of it; `live` publishes on iceoryx2, and `show` has the messages for viewers. Poses are those of
@@ -17,6 +17,7 @@ mod drawing;
 pub mod error;
 pub mod estimate;
 pub mod export;
+pub mod join;
 #[cfg(feature = "live")]
 pub mod journal;
 pub mod keyframes;
@@ -40,6 +41,7 @@ pub use error::WriteError;
 pub use estimate::{
     DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, Written, write_estimate,
 };
+pub use join::{Joined, joined};
 #[cfg(feature = "live")]
 pub use journal::Journal;
 pub use keyframes::{csv_of_sketch, toml_of_sketch};

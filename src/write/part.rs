@@ -11,15 +11,16 @@ use crate::wire::Container;
 
 /// Writes the messages of a recording that were logged then \[ns\], whole or not at all, with this scene in
 /// place of its own if one is given. Everything else is as it was, but for what an earlier estimate added:
-/// of a part it is no longer the estimate. Returns the number of messages.
+/// of a part it is no longer the estimate. Returns the number of messages. It is made of
+/// those files, of which none is replaced, and nobody may read it who may not read them.
 pub fn write_part(
     path: &Path,
     input: &Container,
-    input_path: &Path,
+    made_of: &[&Path],
     log_times: RangeInclusive<u64>,
     scene: Option<Vec<u8>>,
 ) -> Result<u64, WriteError> {
-    if is_same(path, input_path) {
+    if made_of.iter().any(|of| is_same(path, of)) {
         return Err(WriteError::IsInput {
             path: path.to_owned(),
         });
@@ -33,5 +34,6 @@ pub fn write_part(
         },
         ..Additions::default()
     };
-    merge::write(AtomicFile::create(path)?, input, dropped, additions)
+    let file = AtomicFile::create_of(path, made_of)?;
+    merge::write(file, input, dropped, additions)
 }

@@ -36,8 +36,13 @@ struct OwnChannel {
 impl RecordingWriter {
     /// Begins a recording that will be `path`.
     pub fn create(path: &Path) -> Result<Self, WriteError> {
-        let writer =
-            options::writer(AtomicFile::create(path)?, "").map_err(WriteError::mcap(path))?;
+        Self::create_of(path, &[])
+    }
+
+    /// [`RecordingWriter::create`] of one that is made of these files: nobody may read it who may not read them.
+    pub fn create_of(path: &Path, made_of: &[&Path]) -> Result<Self, WriteError> {
+        let file = AtomicFile::create_of(path, made_of)?;
+        let writer = options::writer(file, "").map_err(WriteError::mcap(path))?;
         Ok(Self {
             path: path.to_owned(),
             writer,

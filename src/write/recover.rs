@@ -68,7 +68,7 @@ pub fn recover(part: &Path) -> Result<Recovered, WriteError> {
         rename_to_new(part, &path)?;
         path.clone()
     } else {
-        let recording = AtomicFile::create_new(&path)?;
+        let recording = AtomicFile::create_new(&path, part)?;
         merge::write(recording, &container, None, Additions::default())?;
         put_aside(part)?
     };

@@ -1,5 +1,6 @@
 //! Elements of the description: children, attributes, numbers, each with its place in the text.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use crate::config::spanned::Spanned;
@@ -13,16 +14,30 @@ use crate::math::Pose;
 /// Greatest number: products of several stay finite. Some write 1e16 for a limit that is none.
 const GREATEST: f64 = 1e20;
 
+/// Sentences that are kept; what is beyond is counted.
+const SENTENCES: usize = 100;
+
 /// What is not read: sentences, each with the place where it is first true and how often it is.
 #[derive(Debug, Default)]
-pub(super) struct Notes(Vec<(String, usize, usize)>);
+pub(super) struct Notes {
+    /// In the order in which they came, with their places and counts.
+    kept: Vec<(String, usize, usize)>,
+    /// Where a sentence is among those.
+    places: BTreeMap<String, usize>,
+    /// Times that another was said for which there was no place.
+    beyond: usize,
+}
 
 impl Notes {
     /// Notes a sentence at a place of the text.
     pub(super) fn add(&mut self, span: &Range<usize>, said: String) {
-        match self.0.iter_mut().find(|(known, ..)| *known == said) {
-            Some((.., count)) => *count += 1,
-            None => self.0.push((said, span.start, 1)),
+        match self.places.get(&said) {
+            Some(place) => self.kept[*place].2 += 1,
+            None if self.kept.len() < SENTENCES => {
+                self.places.insert(said.clone(), self.kept.len());
+                self.kept.push((said, span.start, 1));
+            }
+            None => self.beyond += 1,
         }
     }
 
@@ -36,7 +51,11 @@ impl Notes {
                 _ => format!("line {line}: {said}, {count} times in all"),
             }
         };
-        self.0.iter().map(line).collect()
+        let mut lines: Vec<String> = self.kept.iter().map(line).collect();
+        if self.beyond > 0 {
+            lines.push(format!("and {} more of the kind", self.beyond));
+        }
+        lines
     }
 }
 

@@ -14,6 +14,9 @@ use crate::config::error::{Fault, fault};
 use crate::config::number::{quoted, unique};
 use crate::math::Pose;
 
+/// Most bodies: what a scene of them costs grows faster than their number.
+const BODIES: usize = 2000;
+
 /// What moves.
 #[derive(Debug, Default)]
 pub(super) struct Mechanism {
@@ -169,6 +172,13 @@ impl Mechanism {
         inertial: &Inertial,
         notes: &mut Notes,
     ) -> Result<usize, Fault> {
+        if self.bodies.len() == BODIES {
+            let said = format!(
+                "{:?} is one more link with mass than a scene can do with, expected {BODIES} at most",
+                link.name.get_ref()
+            );
+            return fault(link.name.span(), said);
+        }
         self.bodies.push(Body {
             name: link.name.clone(),
             solid: solid(link, inertial, notes)?,

@@ -68,8 +68,12 @@ pub(super) enum Kind {
     },
 }
 
+/// Most attributes of an element.
+const ATTRIBUTES: usize = 1000;
+
 /// Reads a description; what is not read is noted.
 pub(super) fn robot(text: &str, notes: &mut Notes) -> Result<Robot, Fault> {
+    check_attributes(text)?;
     let document = Document::parse(text).or_else(|error| {
         let at = offset(text, error.pos().row, error.pos().col);
         fault(at..at, format!("is no XML: {error}"))
@@ -99,6 +103,24 @@ pub(super) fn robot(text: &str, notes: &mut Notes) -> Result<Robot, Fault> {
         Ok(true)
     })?;
     Ok(robot)
+}
+
+/// Fails for an element with more attributes than any description has: the parser compares each with each.
+fn check_attributes(text: &str) -> Result<(), Fault> {
+    let (mut begin, mut attributes) = (0, 0);
+    for (at, pair) in text.as_bytes().windows(2).enumerate() {
+        match pair {
+            [b'<', _] => (begin, attributes) = (at, 0),
+            [b'=' | b' ' | b'\n' | b'\t' | b'\r', b'"' | b'\''] => attributes += 1,
+            _ => {}
+        }
+        if attributes > ATTRIBUTES {
+            let said =
+                format!("has more than {ATTRIBUTES} attributes, expected an element of URDF");
+            return fault(begin..begin, said);
+        }
+    }
+    Ok(())
 }
 
 fn is_of_xacro(node: &Node<'_, '_>) -> bool {

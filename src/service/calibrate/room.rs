@@ -52,7 +52,7 @@ pub(super) fn rest(
         .collect::<anyhow::Result<_>>()?;
     let mut found = begun("rest", &reads);
     for (read, fit) in reads.iter().zip(&fits) {
-        say_rest(&mut found, &read.file, fit);
+        say_rest(&mut found, &read.name(), fit);
     }
     // What is worst of several: of one axis or of all, a held body has one number.
     let largest = |of: &dyn Fn(&RestFit) -> [NoiseAxis; 3]| {
@@ -204,6 +204,9 @@ fn say_mount(
     Ok(())
 }
 
+/// Flights of which each is told.
+const TOLD: usize = 5;
+
 pub(super) fn gravity(inputs: &[PathBuf], choice: &CalibrateChoice) -> anyhow::Result<Found> {
     let reads = read_all(inputs, choice)?;
     // With a scene the tracker's mount says where the centre of mass is in its axes.
@@ -212,6 +215,7 @@ pub(super) fn gravity(inputs: &[PathBuf], choice: &CalibrateChoice) -> anyhow::R
         .map(|(_, track)| track.link_from_tracker.inverse().translation.vector);
     let is_given = choice.from_s.is_some() || choice.to_s.is_some();
     let mut flights: Vec<Flight> = Vec::new();
+    let mut told: Vec<String> = Vec::new();
     let mut found = begun("gravity", &reads);
     for read in &reads {
         let stream = &read.streams[0];
@@ -227,9 +231,9 @@ pub(super) fn gravity(inputs: &[PathBuf], choice: &CalibrateChoice) -> anyhow::R
         for range in ranges {
             let readings = stream.readings[range].to_vec();
             if let [Some(first), Some(last)] = [readings.first(), readings.last()] {
-                found.notes.push(format!(
+                told.push(format!(
                     "{}: flight from {:.3} s to {:.3} s, {} samples",
-                    read.file,
+                    read.name(),
                     first.time_s,
                     last.time_s,
                     readings.len()
@@ -238,6 +242,18 @@ pub(super) fn gravity(inputs: &[PathBuf], choice: &CalibrateChoice) -> anyhow::R
             flights.push(Flight { readings });
         }
     }
+    if told.len() > TOLD {
+        let samples = flights.iter().map(|flight| flight.readings.len());
+        let (least, most) = (samples.clone().min(), samples.max());
+        told = vec![format!(
+            "{} flights of {} to {} samples in {} recordings",
+            flights.len(),
+            least.unwrap_or_default(),
+            most.unwrap_or_default(),
+            reads.len()
+        )];
+    }
+    found.notes.extend(told);
     for at in calibrate::unlike(&flights, &centre_m.unwrap_or_default())
         .into_iter()
         .rev()

@@ -8,8 +8,9 @@ use super::super::finish::{attached_scene, lost, warnings};
 use super::CalibrateChoice;
 use crate::calibrate::Stream;
 use crate::config::{SourceLine, scene_from_toml};
-use crate::ingest::Recording;
+use crate::ingest::{Recording, read_text};
 use crate::motion::{PoseSample, Scene, Sees, Stamp, TakeEvent, Track, TrackIndex};
+use crate::service::provenance::file_name;
 
 /// Scenes with one and two trackers, by which recordings are read; topics are put in.
 const READERS: [&str; 2] = [
@@ -25,7 +26,7 @@ const MARKS_TOPIC: &str = "/marks";
 
 /// One recording, read for a calibration.
 pub(super) struct Read {
-    /// Name of the recording.
+    /// The recording, as it was named.
     pub(super) file: String,
     pub(super) topics: Vec<String>,
     /// One per topic; times count from the first sample of the first.
@@ -48,13 +49,18 @@ impl Read {
         Some((scene, &scene.tracks[*tracks.first()?]))
     }
 
+    /// The recording's name without folders, as files that are made of it have it.
+    pub(super) fn name(&self) -> String {
+        file_name(Path::new(&self.file))
+    }
+
     /// What the calibration says of its streams.
     pub(super) fn sources(&self) -> Vec<SourceLine> {
         let streams = self.streams.iter().enumerate();
         let sources = streams.map(|(at, stream)| {
             let [first_s, last_s] = stream.extent_s();
             SourceLine {
-                file: self.file.clone(),
+                file: self.name(),
                 topic: self.topics[at].clone(),
                 poses: stream.readings.len(),
                 dropped: stream.unusable + stream.repeated,
@@ -78,7 +84,7 @@ impl Read {
                 format!(
                     "{}: of {messages} messages on {topic} {unusable} hold no pose and {repeated} have \
                      the stamp of another: left out",
-                    self.file
+                    self.name()
                 )
             })
         });
@@ -97,12 +103,12 @@ pub(super) fn read(
     let file = path.display().to_string();
     let scene = match &choice.scene {
         Some(file) => {
-            let text = std::fs::read_to_string(file)
+            let text = read_text(file)
                 .with_context(|| format!("{}: cannot read the scene", file.display()))?;
             let scene = scene_from_toml(&text);
             Some(scene.map_err(|error| error.in_file(file.display().to_string()))?)
         }
-        None if recording.scene_toml().is_some() => Some(attached_scene(&recording)?),
+        None if recording.only_scene()?.is_some() => Some(attached_scene(&recording)?),
         None => None,
     };
     let (topics, tracks) =

@@ -30,6 +30,7 @@ use super::syncer::sync_all;
 use super::viewer::{self, Feed};
 use crate::config::{CaptureSettings, capture_from_toml};
 use crate::ingest::live::{Arrival, StreamTopic, stream_topics};
+use crate::ingest::read_text;
 use crate::motion::Scene;
 use crate::write::abandoned;
 
@@ -363,8 +364,8 @@ impl Doors<'_> {
 }
 
 fn read_scene(path: &Path) -> anyhow::Result<(Scene, Vec<u8>, CaptureSettings)> {
-    let text = std::fs::read_to_string(path)
-        .with_context(|| format!("{}: cannot read the scene", path.display()))?;
+    let text =
+        read_text(path).with_context(|| format!("{}: cannot read the scene", path.display()))?;
     let (scene, settings) =
         capture_from_toml(&text).map_err(|error| error.in_file(path.display().to_string()))?;
     Ok((scene, text.into_bytes(), settings))

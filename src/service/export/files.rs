@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 
-use super::super::finish::{beside, check_distinct};
-use super::super::output::write_file;
+use super::super::finish::beside;
+use super::super::guard::Inputs;
+use super::super::output::write_file_of;
 use super::super::read_back::ReadBack;
 use super::job::{ExportFormat, ExportJob, Exported};
 use crate::ingest::is_pipe;
@@ -80,8 +81,9 @@ pub(super) fn write(
         let text = provenance.lines().join("\n") + "\n";
         named.push((with_origin(&output), text.into_bytes()));
     }
+    let inputs = Inputs::of([job.input.as_path()]);
     for (index, (path, _)) in named.iter().enumerate() {
-        check_distinct(&job.input, path)?;
+        inputs.keep_from(path)?;
         if named[..index].iter().any(|(other, _)| other == path) {
             bail!(
                 "{}: is the file of two bodies, expected other names",
@@ -90,7 +92,7 @@ pub(super) fn write(
         }
     }
     for (path, bytes) in named {
-        write_file(&path, &bytes)?;
+        write_file_of(&path, &bytes, &[&job.input])?;
         exported.outputs.push(path.display().to_string());
     }
     Ok(())

@@ -4,6 +4,9 @@ use std::path::Path;
 
 use anyhow::bail;
 
+/// Longest line of a table: a thousand bodies and more.
+const LINE_BYTES: usize = 1 << 20;
+
 /// A file that can be read.
 pub(super) enum Kind {
     /// A text: a table.
@@ -20,10 +23,8 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
     }
     let rosbags = |what: &str| {
         format!(
-            "{shown}: is {what}, expected a table of poses or MCAP; make MCAP of it with\n  \
-             pip install rosbags==0.11.9\n  \
-             rosbags-convert --src {shown} --dst {}_mcap --dst-storage mcap\n\
-             and import the .mcap in that folder",
+            "{shown}: is {what}, expected a table of poses or MCAP; make MCAP of it: `pip install rosbags==0.11.9`, then \
+             `rosbags-convert --src {shown} --dst {}_mcap --dst-storage mcap`, and import that folder",
             path.with_extension("").display()
         )
     };
@@ -36,10 +37,8 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
         let folder = folder.unwrap_or(Path::new("."));
         bail!(
             "{shown}: is the storage of a ROS 2 bag, expected a table of poses or MCAP; make MCAP of its \
-             folder, where metadata.yaml is, with\n  \
-             pip install rosbags==0.11.9\n  \
-             rosbags-convert --src {} --dst {}_mcap --dst-storage mcap\n\
-             and import the .mcap in that folder",
+             folder, where metadata.yaml is: `pip install rosbags==0.11.9`, then `rosbags-convert --src {} --dst {}_mcap \
+             --dst-storage mcap`, and import that folder",
             folder.display(),
             beside.display()
         );
@@ -60,6 +59,12 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
     if bytes.is_empty() {
         bail!("{shown}: is empty, expected a table of poses or MCAP");
     }
+    if let Some(line) = long_line(&bytes) {
+        bail!(
+            "{shown}:{line}: the line is longer than {} KiB, expected a table of poses or MCAP",
+            LINE_BYTES >> 10
+        );
+    }
     match String::from_utf8(bytes) {
         Ok(text) if !text.contains('\0') => Ok(Kind::Table(text)),
         _ => bail!(
@@ -67,4 +72,11 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
              recording"
         ),
     }
+}
+
+/// The number of the first line that is longer than any table has, from 1.
+fn long_line(bytes: &[u8]) -> Option<usize> {
+    let long = |line: &[u8]| line.len() > LINE_BYTES;
+    let mut lines = bytes.split(|byte| *byte == b'\n');
+    lines.position(long).map(|place| place + 1)
 }

@@ -19,9 +19,9 @@ pub enum DecodeError {
     /// Not JSON of the form foxglove gives its messages.
     #[error("not such a JSON message: {0}")]
     Json(String),
-    /// CDR ends inside a field.
-    #[error("CDR ends at byte {length}, inside {field}")]
-    CdrShort {
+    /// A message of ROS ends inside a field.
+    #[error("the message ends at byte {length}, inside {field}")]
+    RosShort {
         /// Size of the message.
         length: usize,
         /// The field that was being read.
@@ -32,7 +32,7 @@ pub enum DecodeError {
     CdrEncapsulation(u8),
     /// A string is not UTF-8.
     #[error("{0} is not UTF-8")]
-    CdrText(&'static str),
+    RosText(&'static str),
     /// A part that a pose needs is absent.
     #[error("the message has no {0}")]
     Missing(&'static str),

@@ -2,13 +2,14 @@
 
 use super::error::DecodeError;
 use super::message::{FoxglovePose, FramedPose, RosPose, StampedMark};
-use super::{cdr, json, protobuf};
+use super::{json, protobuf, ros};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Poses {
     Protobuf(FoxglovePose),
     Json(FoxglovePose),
     Cdr(RosPose),
+    Ros1(RosPose),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,6 +17,7 @@ enum Marks {
     ProtobufEvent,
     JsonEvent,
     CdrHeader,
+    Ros1Header,
 }
 
 /// How to read the poses of a channel.
@@ -28,13 +30,13 @@ pub struct MarkFormat(Marks);
 
 /// The schemas that [`PoseFormat::of`] accepts, for error messages.
 pub const POSE_SCHEMAS: &str = "foxglove.PoseInFrame, PosesInFrame, FrameTransform, \
-     FrameTransforms, Point3InFrame, Odometry (protobuf, json); geometry_msgs/msg/PoseStamped, \
-     PoseWithCovarianceStamped, PointStamped, QuaternionStamped, Vector3Stamped, \
-     nav_msgs/msg/Odometry, tf2_msgs/msg/TFMessage (cdr); \
-     enact.Keyframe (json)";
+     FrameTransforms, Point3InFrame, Odometry (protobuf, json); PoseStamped, Pose, PoseArray, \
+     PoseWithCovarianceStamped, TransformStamped, PointStamped, QuaternionStamped, Vector3Stamped of \
+     geometry_msgs, nav_msgs Odometry, tf2_msgs TFMessage, mocap4r2_msgs RigidBodies, \
+     motion_capture_tracking_interfaces NamedPoseArray (cdr, ros1); enact.Keyframe (json)";
 
 /// The schemas that [`MarkFormat::of`] accepts, for error messages.
-pub const MARK_SCHEMAS: &str = "foxglove.Event (protobuf, json); std_msgs/msg/Header (cdr)";
+pub const MARK_SCHEMAS: &str = "foxglove.Event (protobuf, json); std_msgs Header (cdr, ros1)";
 
 /// Longest message of poses or marks that is read: two thousand transforms. Two bytes can stand for
 /// a pose, which takes half a kilobyte in memory.
@@ -62,25 +64,33 @@ impl PoseFormat {
             "foxglove.Odometry" => Some(FoxglovePose::Odometry),
             _ => None,
         };
-        let ros = match schema_name {
-            "geometry_msgs/msg/PoseStamped" => Some(RosPose::PoseStamped),
-            "geometry_msgs/msg/PoseWithCovarianceStamped" => {
-                Some(RosPose::PoseWithCovarianceStamped)
-            }
-            "geometry_msgs/msg/PointStamped" => Some(RosPose::PointStamped),
-            "geometry_msgs/msg/QuaternionStamped" => Some(RosPose::QuaternionStamped),
-            "geometry_msgs/msg/Vector3Stamped" => Some(RosPose::Vector3Stamped),
-            "nav_msgs/msg/Odometry" => Some(RosPose::Odometry),
-            "tf2_msgs/msg/TFMessage" => Some(RosPose::TfMessage),
-            _ => None,
+        let named = |separator: &str| {
+            let (package, message) = schema_name.split_once(separator)?;
+            RosPose::named(package, message)
         };
         match message_encoding {
             "protobuf" => foxglove.map(Poses::Protobuf),
             "json" => foxglove.map(Poses::Json),
-            "cdr" => ros.map(Poses::Cdr),
+            "cdr" => named("/msg/").map(Poses::Cdr),
+            "ros1" => named("/").map(Poses::Ros1),
             _ => None,
         }
         .map(Self)
+    }
+
+    /// Whether its messages say how frames lie in others.
+    pub fn relates_frames(self) -> bool {
+        match self.0 {
+            Poses::Protobuf(of) | Poses::Json(of) => {
+                matches!(
+                    of,
+                    FoxglovePose::FrameTransform | FoxglovePose::FrameTransforms
+                )
+            }
+            Poses::Cdr(of) | Poses::Ros1(of) => {
+                matches!(of, RosPose::TransformStamped | RosPose::TfMessage)
+            }
+        }
     }
 
     /// Appends the poses of a message to `poses`; appends none where it fails.
@@ -89,7 +99,8 @@ impl PoseFormat {
         let result = check_length(data).and_then(|()| match self.0 {
             Poses::Protobuf(message) => protobuf::poses(message, data, poses),
             Poses::Json(message) => json::poses(message, data, poses),
-            Poses::Cdr(message) => cdr::poses(message, data, poses),
+            Poses::Cdr(message) => ros::cdr_poses(message, data, poses),
+            Poses::Ros1(message) => ros::ros1_poses(message, data, poses),
         });
         if result.is_err() {
             poses.truncate(before);
@@ -105,6 +116,7 @@ impl MarkFormat {
             ("foxglove.Event", "protobuf") => Some(Self(Marks::ProtobufEvent)),
             ("foxglove.Event", "json") => Some(Self(Marks::JsonEvent)),
             ("std_msgs/msg/Header", "cdr") => Some(Self(Marks::CdrHeader)),
+            ("std_msgs/Header", "ros1") => Some(Self(Marks::Ros1Header)),
             _ => None,
         }
     }
@@ -115,7 +127,8 @@ impl MarkFormat {
         match self.0 {
             Marks::ProtobufEvent => protobuf::mark(data),
             Marks::JsonEvent => json::mark(data),
-            Marks::CdrHeader => cdr::mark(data),
+            Marks::CdrHeader => ros::cdr_mark(data),
+            Marks::Ros1Header => ros::ros1_mark(data),
         }
     }
 }

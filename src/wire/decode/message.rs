@@ -110,16 +110,46 @@ pub(super) enum FoxglovePose {
     Odometry,
 }
 
-/// ROS 2 messages that hold poses.
+/// ROS messages that hold poses, of ROS 2 or of ROS 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum RosPose {
     PoseStamped,
+    /// It has neither a stamp nor a frame.
+    Pose,
+    PoseArray,
     PoseWithCovarianceStamped,
     Odometry,
+    TransformStamped,
     TfMessage,
     PointStamped,
     QuaternionStamped,
     Vector3Stamped,
+    /// Of mocap4r2's drivers.
+    RigidBodies,
+    /// Of motion_capture_tracking, which Crazyswarm2 uses.
+    NamedPoseArray,
+}
+
+impl RosPose {
+    /// The message of a name as ROS 1 has it, `package/Message`; ROS 2 has `package/msg/Message`.
+    pub(super) fn named(package: &str, message: &str) -> Option<Self> {
+        match (package, message) {
+            ("geometry_msgs", "PoseStamped") => Some(Self::PoseStamped),
+            ("geometry_msgs", "Pose") => Some(Self::Pose),
+            ("geometry_msgs", "PoseArray") => Some(Self::PoseArray),
+            ("geometry_msgs", "PoseWithCovarianceStamped") => Some(Self::PoseWithCovarianceStamped),
+            ("geometry_msgs", "TransformStamped") => Some(Self::TransformStamped),
+            ("geometry_msgs", "PointStamped") => Some(Self::PointStamped),
+            ("geometry_msgs", "QuaternionStamped") => Some(Self::QuaternionStamped),
+            ("geometry_msgs", "Vector3Stamped") => Some(Self::Vector3Stamped),
+            ("nav_msgs", "Odometry") => Some(Self::Odometry),
+            ("tf2_msgs", "TFMessage") | ("tf", "tfMessage") => Some(Self::TfMessage),
+            // The package had another name before.
+            ("mocap4r2_msgs" | "mocap_msgs", "RigidBodies") => Some(Self::RigidBodies),
+            ("motion_capture_tracking_interfaces", "NamedPoseArray") => Some(Self::NamedPoseArray),
+            _ => None,
+        }
+    }
 }
 
 /// A stamp from seconds and nanoseconds; `None` where both are zero. Fails where it does not fit in

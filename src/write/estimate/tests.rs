@@ -106,7 +106,7 @@ fn written_with(
         &path,
         &EstimateFile {
             input: &container,
-            input_path: Some(input),
+            made_of: &[input],
             of: Reported {
                 scene: &scene,
                 inferred: &[],
@@ -552,7 +552,7 @@ fn the_input_is_never_overwritten_under_any_of_its_names() {
     let (scene, sketch, counts, estimate) = (scene(), sketch(), counts(), estimate());
     let mut file = EstimateFile {
         input: &container,
-        input_path: Some(&input),
+        made_of: &[&input],
         of: Reported {
             scene: &scene,
             inferred: &[],

@@ -54,7 +54,7 @@ fn main() -> Result<()> {
         &output,
         &EstimateFile {
             input: recording.container(),
-            input_path: Some(recording.path()),
+            made_of: &[recording.path()],
             of: Reported {
                 scene: &scene,
                 inferred: &outcome.inferred,

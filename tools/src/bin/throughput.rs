@@ -134,7 +134,7 @@ fn process(input: &Path, output: &Path) -> Result<u64> {
         output,
         &EstimateFile {
             input: recording.container(),
-            input_path: Some(input),
+            made_of: &[input],
             of: Reported {
                 scene: &scene,
                 inferred: &[],
