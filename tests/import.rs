@@ -527,7 +527,7 @@ fn what_cannot_be_imported_is_refused_with_what_to_do() {
         ),
         ("man.bvh", 1, "is BVH"),
         ("markers.c3d", 1, "is C3D"),
-        ("picture.png", 1, "neither UTF-8 text nor MCAP"),
+        ("picture.png", 1, "neither text nor MCAP"),
         ("empty.csv", 1, "is empty"),
         ("bad.csv", 1, "bad.csv:3: column 4: \"oops\" is no number"),
         ("absent.csv", 1, "absent.csv: cannot read"),

@@ -11,6 +11,8 @@ const Z_UP: Axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 const Y_UP: Axes = [[1, 0, 0], [0, 0, -1], [0, 1, 0]];
 /// (x, y, z) → (y, z, x).
 const X_UP: Axes = [[0, 1, 0], [0, 0, 1], [1, 0, 0]];
+/// x right, y down, z ahead: (x, y, z) → (x, z, −y).
+const Y_DOWN: Axes = [[1, 0, 0], [0, 0, 1], [0, -1, 0]];
 /// Left-handed, z ahead: (x, y, z) → (z, −x, y).
 const UNITY: Axes = [[0, 0, 1], [-1, 0, 0], [0, 1, 0]];
 /// Left-handed, y to the right: (x, y, z) → (x, −y, z).
@@ -45,7 +47,7 @@ const M: LengthUnit = LengthUnit::Metre;
 const MM: LengthUnit = LengthUnit::Millimetre;
 
 /// The presets; `docs/import.md` has the source of each.
-pub const PRESETS: [Preset; 11] = [
+pub const PRESETS: [Preset; 14] = [
     preset("z-up", "right-handed, z up, metres: ROS, Blender", Z_UP, M),
     preset("y-up", "right-handed, y up, metres: glTF, Maya", Y_UP, M),
     preset("x-up", "right-handed, x up, metres", X_UP, M),
@@ -57,6 +59,14 @@ pub const PRESETS: [Preset; 11] = [
         M,
     ),
     preset("vicon", "Vicon Tracker, Nexus: z up, millimetres", Z_UP, MM),
+    preset("qualisys", "Qualisys Track Manager: z up, millimetres", Z_UP, MM),
+    preset("trc", "TRC of OpenSim: y up, metres", Y_UP, M),
+    preset(
+        "camera",
+        "a camera's first view: x right, y down, z ahead, metres (KITTI, OpenCV, AprilTag)",
+        Y_DOWN,
+        M,
+    ),
     preset("openvr", "SteamVR, OpenVR, OpenXR: y up, metres", Y_UP, M),
     preset(
         "unity",
@@ -204,6 +214,7 @@ mod tests {
             ("motive-y-up", [0.0, 1.0, 0.0]),
             ("openvr", [0.0, 1.0, 0.0]),
             ("x-up", [1.0, 0.0, 0.0]),
+            ("camera", [0.0, -1.0, 0.0]),
             ("unity", [0.0, 1.0, 0.0]),
             ("unreal", [0.0, 0.0, 1.0]),
         ] {
