@@ -1,6 +1,9 @@
 //! `enact import` from outside: tables of many programs become recordings that are estimated, and what the
 //! data show of a wrong guess is said.
 
+#[path = "import/said.rs"]
+mod said;
+
 use std::fs;
 use std::path::Path;
 
@@ -565,7 +568,7 @@ fn what_cannot_be_imported_is_refused_with_what_to_do() {
         (
             &["ball.csv", "-o", "x.mcap", "--time-unit", "hours"],
             2,
-            "expected s, ms, us, ns or frame",
+            "expected s, ms, us, 100ns, ns or frame",
         ),
         (&["ball.csv"], 2, "--output"),
     ] {

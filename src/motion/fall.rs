@@ -14,6 +14,9 @@ use nalgebra::{Matrix3, Vector3};
 /// [`SEED_RELATIVE_SD`] at each place \[samples\].
 const SEED_SAMPLES: [usize; 8] = [7, 10, 14, 20, 28, 40, 80, 160];
 const SEED_RELATIVE_SD: f64 = 0.1;
+/// Windows of so many samples and more are tried at each eighth of their length alone: what takes so many to be told
+/// is long.
+const LONG_SAMPLES: usize = 40;
 /// Limits of `F` at infinitely many degrees of freedom, the first that makes a flight: the quantile of Fisher's
 /// distribution to one in ten thousand is the second, four times as much lets a flight drift by drag or a
 /// tracker's distortion, and is still far less than an impact makes of it.
@@ -176,7 +179,8 @@ impl Path<'_> {
         let mut parabola: Option<Parabola> = None;
         for count in SEED_SAMPLES {
             let window = begin..begin + count;
-            if window.end > self.times_s.len() {
+            let is_between = count >= LONG_SAMPLES && !begin.is_multiple_of(count / 8);
+            if is_between || window.end > self.times_s.len() {
                 return None;
             }
             let longer = match parabola.take() {
@@ -390,7 +394,7 @@ mod tests {
     fn long_paths_are_searched_too() {
         // Tosses and a hand in turn, and a path that is a parabola all along and yet no flight.
         let (toss_s, toss) = toss(1e-3);
-        let repeats = 100_000 / toss.len();
+        let repeats = 4_000 / toss.len();
         let many: Vec<Vector3<f64>> = toss.iter().cycle().take(repeats * toss.len()).copied().collect();
         let many_s: Vec<f64> = (0..many.len()).map(|i| i as f64 / RATE_HZ).collect();
         let found = falls(&many_s, &many, is_gravity);

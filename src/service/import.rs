@@ -262,8 +262,9 @@ fn recording(
                 body,
             })
         })
-        .filter(|named| !named.body.samples.is_empty())
         .collect();
+    let (named, never): (Vec<Named>, Vec<Named>) =
+        named.into_iter().partition(|named| !named.body.samples.is_empty());
     let names: Vec<(&str, Holds)> = named
         .iter()
         .map(|named| (named.name.as_str(), named.body.samples[0].holds))
@@ -272,6 +273,10 @@ fn recording(
     let topics = topics(&names, &job.topics, scene_read)?;
     let mut of_all = Told::default();
     of_all.against.extend(apart(tables));
+    if !never.is_empty() {
+        let never: Vec<&str> = never.iter().map(|named| named.name.as_str()).collect();
+        of_all.notes.push(format!("never seen, and left out: {}", listed(&never)));
+    }
     let strangers = names.iter().zip(&topics).filter(|(_, topic)| topic.is_none());
     let strangers: Vec<&str> = strangers.map(|((name, _), _)| *name).collect();
     if !strangers.is_empty() {

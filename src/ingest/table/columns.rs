@@ -29,6 +29,8 @@ pub(super) enum Meaning {
     },
     /// i, j, k or the real part by itself: of a quaternion where all four are there.
     Imaginary(usize),
+    /// A coordinate of a position by number, from 0 or from 1.
+    Coordinate(usize),
     /// A part of an orientation by number: four are a quaternion, nine a matrix.
     Numbered(usize),
     /// An entry of a matrix of a rotation or of a pose, as it is counted.
@@ -124,6 +126,8 @@ const TURNS: [&str; 7] = [
 ];
 const ANGLES: [&str; 6] = ["r", "euler", "eul", "ang", "angle", "angles"];
 const VECTORS: [&str; 6] = ["rvec", "rotvec", "rodrigues", "helical", "aa", "axisangle"];
+/// Positions whose coordinates may be counted.
+const COUNTED: [&str; 7] = ["pos", "position", "trans", "translation", "tvec", "loc", "location"];
 const MATRICES: [&str; 12] = [
     "r", "rot", "rotation", "m", "mat", "matrix", "t", "tf", "transform", "h", "pose", "dcm",
 ];
@@ -150,7 +154,12 @@ const OTHERS: [&str; 36] = [
 const FILLERS: [&str; 12] = [
     "field", "header", "stamp", "world", "global", "message", "msg", "data", "value", "rigid", "body", "w",
 ];
-const BODIES: [&str; 19] = [
+const BODIES: [&str; 24] = [
+    "id",
+    "uid",
+    "object uid",
+    "rigid body id",
+    "device id",
     "body",
     "object",
     "name",
@@ -268,7 +277,7 @@ pub(super) fn looks_turned(name: &str) -> bool {
         let word = word.trim_end_matches(|of: char| of.is_ascii_digit());
         known.any(|known| *known == word)
     };
-    !is_other && (words.iter().any(is_turn) || words == ["w"] || words == ["qw"])
+    !is_other && (words.iter().any(is_turn) || words == ["w"] || words.iter().any(|word| word == "axis"))
 }
 
 fn time(words: &[String], unit: Option<&str>) -> Option<Meaning> {
@@ -332,7 +341,8 @@ fn part(word: &str, others: &[String], unit: Option<&str>) -> Option<(Meaning, S
         "i" | "qi" => Some(0),
         "j" | "qj" => Some(1),
         "k" | "qk" => Some(2),
-        "real" | "scalar" | "qr" | "qreal" => Some(3),
+        "real" | "scalar" | "qr" | "qs" | "qreal" => Some(3),
+        "r" if QUATERNIONS.iter().any(|of| is_named(of)) => Some(3),
         _ => None,
     };
     if let Some(part) = imaginary {
@@ -410,6 +420,7 @@ fn counted(word: &str, others: &[String]) -> Option<(Meaning, String)> {
             Meaning::Entry { row, column }
         }
         [number] if (is_turn || stem == "dcm") && number <= 9 => Meaning::Numbered(number),
+        [number] if COUNTED.contains(&stem) && number <= 3 => Meaning::Coordinate(number),
         _ => return None,
     };
     Some((meaning, owner(left)))
@@ -468,6 +479,8 @@ mod tests {
             ("RotX (deg)", loose(0, deg)),
             ("field.pose.orientation.y", loose(1, None)),
             ("q3", Some(Meaning::Numbered(3))),
+            ("position[1]", Some(Meaning::Coordinate(1))),
+            ("quat_r", quaternion(3)),
             ("Rot[8]", Some(Meaning::Numbered(8))),
             ("R12", Some(Meaning::Entry { row: 1, column: 2 })),
             ("m_0_3", Some(Meaning::Entry { row: 0, column: 3 })),

@@ -6,11 +6,14 @@ mod trc;
 mod unnamed;
 mod vicon;
 
-use super::columns::meaning;
+use std::collections::BTreeSet;
+
+use super::columns::{Meaning, meaning};
 use super::head;
 use super::layout::{Fault, Layout, QuaternionOrder, TimeColumns, fault};
 use super::text::{Line, Lines, Separator};
-use super::units::TimeUnit;
+use super::units::{AngleUnit, TimeUnit, length_unit};
+use crate::motion::LengthUnit;
 
 /// A layout, and how many rows are before its own.
 type Found = Result<(Layout, usize), Fault>;
@@ -74,8 +77,15 @@ fn has_names(line: &Line) -> bool {
 }
 
 fn of_names(lines: &Lines, line: &Line, order: Option<QuaternionOrder>) -> Result<Layout, Fault> {
-    let names = grouped(&line.cells, lines);
-    let mut layout = head::layout(line.number, &names, order)?;
+    let names = grouped(&with_units(&line.cells, lines, line.number), lines);
+    let mut layout = match head::layout(line.number, &names, order) {
+        Ok(layout) => layout,
+        // Whose columns are may be said in the line above.
+        Err(fault) => match under_owners(&names, lines, line.number) {
+            Some(names) => head::layout(line.number, &names, order)?,
+            None => return Err(fault),
+        },
+    };
     if names.iter().any(|name| name.contains("p_RS_R")) {
         layout.kind = "EuRoC".to_owned();
     }
@@ -87,7 +97,76 @@ fn of_names(lines: &Lines, line: &Line, order: Option<QuaternionOrder>) -> Resul
         layout.kind = "TUM".to_owned();
         layout.time = TimeColumns::One(0, unit.or(Some(TimeUnit::Second)));
     }
+    layout.length = layout.length.or(unit_in_remarks(lines));
+    several_bodies(&mut layout, lines);
     Ok(layout)
+}
+
+/// A name of bodies is one where they come again: a number of its own for each row is none.
+fn several_bodies(layout: &mut Layout, lines: &Lines) {
+    let Some(column) = layout.body_name else {
+        return;
+    };
+    let names: BTreeSet<&String> = lines.rows.iter().filter_map(|row| row.cells.get(column)).collect();
+    if names.len() > 2 && 2 * names.len() > lines.rows.len() {
+        layout.body_name = None;
+        layout.notes.push(format!("column {} is another in nearly each row: it is not taken for names of bodies", column + 1));
+    }
+}
+
+/// The names with the units of a line of units below them.
+fn with_units(names: &[String], lines: &Lines, number: usize) -> Vec<String> {
+    let plain = |cell: &str| cell.trim_matches(['[', ']', '(', ')', ' ']).to_lowercase();
+    let is_unit = |cell: &str| {
+        let unit = plain(cell);
+        TimeUnit::of(&unit).is_some() || length_unit(&unit).is_some() || AngleUnit::of(&unit).is_some()
+    };
+    let is_nothing = |cell: &str| ["", "-", "1", "none", "unitless", "#"].contains(&plain(cell).as_str());
+    let are_units = |line: &&Line| {
+        let units = line.cells.iter().filter(|cell| is_unit(cell)).count();
+        line.number > number && units >= 3 && line.cells.iter().all(|cell| is_unit(cell) || is_nothing(cell))
+    };
+    let units = lines.head.iter().find(are_units);
+    let named = names.iter().enumerate().map(|(column, name)| {
+        let unit = units.and_then(|line| line.cells.get(column)).filter(|cell| is_unit(cell));
+        match unit {
+            Some(unit) if !name.contains(['[', '(']) => format!("{name} [{}]", plain(unit)),
+            _ => name.clone(),
+        }
+    });
+    named.collect()
+}
+
+/// The unit of lengths that a remark above the columns has: `Units: mm`.
+fn unit_in_remarks(lines: &Lines) -> Option<LengthUnit> {
+    let remarks = lines.head.iter().map(|line| line.cells.join(" ").to_lowercase());
+    { remarks }.filter(|line| line.contains("unit")).find_map(|line| {
+        let words = line.split(|of: char| !of.is_alphanumeric());
+        { words }.filter(|word| word.len() > 1 && *word != "in").find_map(length_unit)
+    })
+}
+
+/// The names with those in the line above, each of which goes on to the right until the next; `None` where there is no
+/// such line.
+fn under_owners(names: &[String], lines: &Lines, number: usize) -> Option<Vec<String>> {
+    let above = lines.head.iter().rfind(|line| line.number < number)?;
+    let is_wide = above.cells.len() == names.len() || above.filled() > names.len() / 2;
+    let count = above.cells.iter().filter(|cell| !cell.is_empty()).count();
+    if !is_wide || count < 2 {
+        return None;
+    }
+    let mut owner = "";
+    let named = names.iter().enumerate().map(|(column, name)| {
+        if let Some(cell) = above.cells.get(column).filter(|cell| !cell.is_empty()) {
+            owner = cell;
+        }
+        // Times are nobody's.
+        match meaning(name) {
+            Some(Meaning::Time { .. } | Meaning::Frame) | None => name.clone(),
+            Some(_) => format!("{owner}.{name}"),
+        }
+    });
+    Some(named.collect())
 }
 
 /// The names of columns with those of their groups, which stand above nothing: `position,x,y,z`.

@@ -237,6 +237,8 @@ impl Named<'_> {
             Some(parts) => Some(Orientation::Quaternion(parts)),
             None => self.orientation(&find, order, &mut group)?,
         };
+        let counted = find(&|of| matches!(of, Meaning::Coordinate(_)));
+        group.position = group.position.or(self.counted(&counted));
         // The last column of a matrix of a pose is its position.
         let entries = find(&|of| matches!(of, Meaning::Entry { .. }));
         let last = self.position_of_matrix(&entries);
@@ -321,6 +323,10 @@ impl Named<'_> {
                 let is_it = |of: &Meaning| matches!(of, Meaning::Angle { axis, kind: at, .. } if *axis == part && *at == kind);
                 of_kind[part] = self.one(["roll", "pitch", "yaw", "rw"][part], find(&is_it))?;
             }
+        }
+        // `Q0` beside `Qx`, `Qy`, `Qz` is the scalar.
+        if let (None, [zero]) = (quaternion[3], &find(&|of| *of == Meaning::Numbered(0))[..]) {
+            quaternion[3] = Some(*zero).filter(|_| quaternion[..3].iter().all(Option::is_some));
         }
         let [rpy, vector, mut untold] = angles;
         let all = |parts: [Option<usize>; 4]| -> Option<[usize; 4]> {
@@ -418,6 +424,16 @@ impl Named<'_> {
         Ok(None)
     }
 
+    /// The columns of coordinates that are counted from 0 or from 1.
+    fn counted(&self, found: &[usize]) -> Option<[usize; 3]> {
+        let at = |number: usize| {
+            let is_it = |index: &&usize| self.meaning(**index) == Some(Meaning::Coordinate(number));
+            found.iter().find(is_it).copied()
+        };
+        let base = usize::from(at(0).is_none());
+        Some([at(base)?, at(base + 1)?, at(base + 2)?])
+    }
+
     /// The column of an entry of a matrix, counted from 0.
     fn entry(&self, entries: &[usize], [row, column]: [usize; 2]) -> Option<usize> {
         let counted = |at: &usize| match self.meaning(*at) {
@@ -498,14 +514,18 @@ impl Named<'_> {
 fn columns_of_time(columns: &[(usize, Option<TimeUnit>)]) -> Option<TimeColumns> {
     let (s, ns) = (Some(TimeUnit::Second), Some(TimeUnit::Nanosecond));
     match columns {
-        // Nanoseconds past seconds that are not there.
         [(index, unit)] => Some(TimeColumns::One(*index, *unit)),
         [(whole, a), (rest, b)] if (*a, *b) == (s, ns) => Some(TimeColumns::Two(*whole, *rest)),
         [(rest, b), (whole, a)] if (*a, *b) == (s, ns) => Some(TimeColumns::Two(*whole, *rest)),
+        // Several clocks, each with its unit.
+        [(first, unit), rest @ ..] if unit.is_some() && rest.iter().all(|(_, unit)| unit.is_some()) => {
+            Some(TimeColumns::One(*first, *unit))
+        }
         _ => None,
     }
 }
 
 fn is_of_pose(meaning: &Meaning) -> bool {
-    matches!(meaning, Meaning::Position { .. } | Meaning::Letter { .. } | Meaning::Imaginary(_)) || meaning.is_turn()
+    let is_place = matches!(meaning, Meaning::Position { .. } | Meaning::Letter { .. } | Meaning::Coordinate(_));
+    is_place || matches!(meaning, Meaning::Imaginary(_)) || meaning.is_turn()
 }

@@ -195,14 +195,15 @@ pub struct HeldPoses {
 
 /// Counts poses that are held: equal to the last digit to the one before. Samples are in order.
 pub fn held_poses(samples: &[&PoseSample]) -> HeldPoses {
-    let bits = |sample: &PoseSample| {
-        let parts = sample.position_m.iter().chain(&sample.quaternion_xyzw);
-        parts.map(|of| of.to_bits()).collect::<Vec<u64>>()
+    let parts = |sample: &PoseSample| {
+        let [x, y, z] = sample.position_m.into();
+        let [a, b, c, d] = sample.quaternion_xyzw;
+        [x, y, z, a, b, c, d].map(f64::to_bits)
     };
     let mut held = HeldPoses::default();
     let mut run = 0;
     for (index, pair) in samples.windows(2).enumerate() {
-        if bits(pair[0]) != bits(pair[1]) {
+        if parts(pair[0]) != parts(pair[1]) {
             run = 0;
             continue;
         }

@@ -37,7 +37,12 @@ impl Said {
         }
         self.note(format!("columns not read: {}", listed(&layout.unread)));
         let are_points = layout.bodies.iter().any(|of| of.orientation == Orientation::Unseen);
-        let turned: Vec<String> = layout.unread.iter().filter(|of| looks_turned(of)).cloned().collect();
+        // Robots' A, B, C.
+        let has = |letter: &str| layout.unread.iter().any(|of| of.trim().eq_ignore_ascii_case(letter));
+        let is_abc = |of: &str| ["a", "b", "c"].iter().any(|letter| of.trim().eq_ignore_ascii_case(letter));
+        let are_abc = has("a") && has("b") && has("c");
+        let is_turned = |of: &&String| looks_turned(of) || (are_abc && is_abc(of));
+        let turned: Vec<String> = layout.unread.iter().filter(is_turned).cloned().collect();
         if are_points && !turned.is_empty() {
             self.against(format!(
                 "columns that look like an orientation are not read: {}; expected qx, qy, qz, qw, or rx, ry, rz, or \

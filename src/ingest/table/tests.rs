@@ -3,6 +3,9 @@ use std::path::Path;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
+mod assumed;
+mod formats;
+
 use super::*;
 use crate::motion::{Holds, LengthUnit, PoseSample};
 

@@ -19,13 +19,13 @@ const AGAINST_SAMPLES: usize = 12;
 /// Rooms with trackers are between these \[m\].
 const SPAN_M: [f64; 2] = [0.005, 50.0];
 /// No hand and no throw has a greater median speed \[m/s\].
-const SPEED_MAX_M_S: f64 = 30.0;
+const SPEED_MAX_M_S: f64 = 50.0;
 /// So many poses in a row that are the very one before are held,
 const HELD_SAMPLES: usize = 10;
 /// and more than this share of all.
 const HELD_SHARE: f64 = 0.3;
 /// Presets that differ in which axis is up.
-const AXES: [&str; 4] = ["z-up", "y-up", "x-up", "camera"];
+const AXES: [&str; 5] = ["z-up", "y-up", "x-up", "camera", "ned"];
 /// Greatest deviation of a quaternion's norm from 1 that rounding explains.
 const NORM_LIMIT: f64 = 0.01;
 const UNITS: [LengthUnit; 5] = [
