@@ -395,11 +395,21 @@ mod tests {
         // Tosses and a hand in turn, and a path that is a parabola all along and yet no flight.
         let (toss_s, toss) = toss(1e-3);
         let repeats = 4_000 / toss.len();
-        let many: Vec<Vector3<f64>> = toss.iter().cycle().take(repeats * toss.len()).copied().collect();
+        let many: Vec<Vector3<f64>> = toss
+            .iter()
+            .cycle()
+            .take(repeats * toss.len())
+            .copied()
+            .collect();
         let many_s: Vec<f64> = (0..many.len()).map(|i| i as f64 / RATE_HZ).collect();
         let found = falls(&many_s, &many, is_gravity);
         let of_one = falls(&toss_s, &toss, is_gravity).len();
-        assert!(found.len() >= repeats * of_one, "{} of {}", found.len(), repeats * of_one);
+        assert!(
+            found.len() >= repeats * of_one,
+            "{} of {}",
+            found.len(),
+            repeats * of_one
+        );
         let bent = many_s.iter().enumerate().map(|(i, t)| {
             let sway = 0.4 * (0.5 * t).sin();
             let wobble = Vector3::new((12.9 * i as f64).sin(), (78.2 * i as f64).sin(), 0.0) * 1e-3;

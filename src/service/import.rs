@@ -168,12 +168,23 @@ fn one_zero(tables: &mut [(&PathBuf, PoseTable)]) {
 /// What speaks against files on one clock: one of them is long over when another begins.
 fn apart(tables: &[(&PathBuf, PoseTable)]) -> Option<String> {
     let span = |table: &PoseTable| -> Option<[Stamp; 2]> {
-        let stamps = || table.bodies.iter().flat_map(|body| &body.samples).map(|sample| sample.stamp);
+        let stamps = || {
+            table
+                .bodies
+                .iter()
+                .flat_map(|body| &body.samples)
+                .map(|sample| sample.stamp)
+        };
         Some([stamps().min()?, stamps().max()?])
     };
-    let spans: Vec<(&PathBuf, [Stamp; 2])> =
-        tables.iter().filter_map(|(file, table)| Some((*file, span(table)?))).collect();
-    let longest_s = spans.iter().map(|(_, [first, last])| last.seconds_since(*first)).fold(0.0, f64::max);
+    let spans: Vec<(&PathBuf, [Stamp; 2])> = tables
+        .iter()
+        .filter_map(|(file, table)| Some((*file, span(table)?)))
+        .collect();
+    let longest_s = spans
+        .iter()
+        .map(|(_, [first, last])| last.seconds_since(*first))
+        .fold(0.0, f64::max);
     let gap = |(file, of): &(&PathBuf, [Stamp; 2]), (other, to): &(&PathBuf, [Stamp; 2])| {
         let gap_s = to[0].seconds_since(of[1]);
         (gap_s > longest_s.max(1.0)).then(|| {
@@ -185,7 +196,9 @@ fn apart(tables: &[(&PathBuf, PoseTable)]) -> Option<String> {
             )
         })
     };
-    spans.iter().find_map(|of| spans.iter().find_map(|to| gap(of, to)))
+    spans
+        .iter()
+        .find_map(|of| spans.iter().find_map(|to| gap(of, to)))
 }
 
 fn read_scene(file: &Path) -> anyhow::Result<(Scene, String)> {
@@ -263,8 +276,9 @@ fn recording(
             })
         })
         .collect();
-    let (named, never): (Vec<Named>, Vec<Named>) =
-        named.into_iter().partition(|named| !named.body.samples.is_empty());
+    let (named, never): (Vec<Named>, Vec<Named>) = named
+        .into_iter()
+        .partition(|named| !named.body.samples.is_empty());
     let names: Vec<(&str, Holds)> = named
         .iter()
         .map(|named| (named.name.as_str(), named.body.samples[0].holds))
@@ -275,9 +289,14 @@ fn recording(
     of_all.against.extend(apart(tables));
     if !never.is_empty() {
         let never: Vec<&str> = never.iter().map(|named| named.name.as_str()).collect();
-        of_all.notes.push(format!("never seen, and left out: {}", listed(&never)));
+        of_all
+            .notes
+            .push(format!("never seen, and left out: {}", listed(&never)));
     }
-    let strangers = names.iter().zip(&topics).filter(|(_, topic)| topic.is_none());
+    let strangers = names
+        .iter()
+        .zip(&topics)
+        .filter(|(_, topic)| topic.is_none());
     let strangers: Vec<&str> = strangers.map(|((name, _), _)| *name).collect();
     if !strangers.is_empty() {
         of_all.notes.push(format!(
@@ -285,8 +304,11 @@ fn recording(
             listed(&strangers)
         ));
     }
-    let named: Vec<(&Named, &String)> =
-        named.iter().zip(&topics).filter_map(|(named, topic)| Some((named, topic.as_ref()?))).collect();
+    let named: Vec<(&Named, &String)> = named
+        .iter()
+        .zip(&topics)
+        .filter_map(|(named, topic)| Some((named, topic.as_ref()?)))
+        .collect();
     let samples = named.iter().flat_map(|(named, _)| &named.body.samples);
     // Every table has a pose.
     let origin = samples.map(|sample| sample.stamp).min().unwrap_or(Stamp(0));
@@ -316,7 +338,11 @@ fn recording(
         told.against.extend(unseen(named, topic, scene_read));
         bodies.push(line(named, topic, &samples, &told, origin));
         of_all.add(told);
-        entries.extend(samples.iter().map(|of| (of.stamp, Entry::Pose(topic.as_str(), of))));
+        entries.extend(
+            samples
+                .iter()
+                .map(|of| (of.stamp, Entry::Pose(topic.as_str(), of))),
+        );
     }
     ensure!(
         !entries.is_empty(),
@@ -390,17 +416,22 @@ fn marks_of_heads(
         let is_set = by_hand.iter().any(|mark| mark.event.as_ref() == Some(name));
         if is_known && !is_set {
             let event = Some(name.clone());
-            marks.push(Mark { stamp: *stamp, event });
+            marks.push(Mark {
+                stamp: *stamp,
+                event,
+            });
             continue;
         }
         let why = match is_set {
             true => "--mark sets it",
             false => "the scene has no event of that name; --mark TIME:EVENT sets one",
         };
-        told.notes.push(format!("the file's event {name:?} is left out: {why}"));
+        told.notes
+            .push(format!("the file's event {name:?} is left out: {why}"));
     }
     if !marks.is_empty() {
-        told.notes.push(format!("{} events of the files are marks", marks.len()));
+        told.notes
+            .push(format!("{} events of the files are marks", marks.len()));
     }
     marks
 }

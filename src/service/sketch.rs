@@ -182,7 +182,9 @@ fn of_rows(scene: &Scene, rows: &[SketchRow]) -> Vec<String> {
     let mut warnings = Vec::new();
     let keyframes = || {
         rows.iter().filter_map(|row| match row {
-            SketchRow::Keyframe { track, keyframe, .. } => Some((*track, keyframe)),
+            SketchRow::Keyframe {
+                track, keyframe, ..
+            } => Some((*track, keyframe)),
             SketchRow::Mark(_) => None,
         })
     };
@@ -190,7 +192,9 @@ fn of_rows(scene: &Scene, rows: &[SketchRow]) -> Vec<String> {
         let parts = keyframe.orientation_wxyz?;
         Some(parts.iter().map(|part| part * part).sum::<f64>().sqrt())
     });
-    let off: Vec<f64> = norms.filter(|norm| (norm - 1.0).abs() > NORM_SAID).collect();
+    let off: Vec<f64> = norms
+        .filter(|norm| (norm - 1.0).abs() > NORM_SAID)
+        .collect();
     if let Some(first) = off.first() {
         warnings.push(format!(
             "{} quaternions have a norm other than 1, the first {first:.4}: they are taken as if it were 1",

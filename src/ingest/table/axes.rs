@@ -63,7 +63,12 @@ pub const PRESETS: [Preset; 15] = [
         M,
     ),
     preset("vicon", "Vicon Tracker, Nexus: z up, millimetres", Z_UP, MM),
-    preset("qualisys", "Qualisys Track Manager: z up, millimetres", Z_UP, MM),
+    preset(
+        "qualisys",
+        "Qualisys Track Manager: z up, millimetres",
+        Z_UP,
+        MM,
+    ),
     preset("trc", "TRC of OpenSim: y up, metres", Y_UP, M),
     preset(
         "camera",
@@ -71,7 +76,12 @@ pub const PRESETS: [Preset; 15] = [
         Y_DOWN,
         M,
     ),
-    preset("ned", "x north, y east, z down, metres (PX4, aircraft)", Z_DOWN, M),
+    preset(
+        "ned",
+        "x north, y east, z down, metres (PX4, aircraft)",
+        Z_DOWN,
+        M,
+    ),
     preset("openvr", "SteamVR, OpenVR, OpenXR: y up, metres", Y_UP, M),
     preset(
         "unity",

@@ -127,9 +127,28 @@ const TURNS: [&str; 7] = [
 const ANGLES: [&str; 6] = ["r", "euler", "eul", "ang", "angle", "angles"];
 const VECTORS: [&str; 6] = ["rvec", "rotvec", "rodrigues", "helical", "aa", "axisangle"];
 /// Positions whose coordinates may be counted.
-const COUNTED: [&str; 7] = ["pos", "position", "trans", "translation", "tvec", "loc", "location"];
+const COUNTED: [&str; 7] = [
+    "pos",
+    "position",
+    "trans",
+    "translation",
+    "tvec",
+    "loc",
+    "location",
+];
 const MATRICES: [&str; 12] = [
-    "r", "rot", "rotation", "m", "mat", "matrix", "t", "tf", "transform", "h", "pose", "dcm",
+    "r",
+    "rot",
+    "rotation",
+    "m",
+    "mat",
+    "matrix",
+    "t",
+    "tf",
+    "transform",
+    "h",
+    "pose",
+    "dcm",
 ];
 /// Angles by names of their own, with their axis.
 const ROLL_PITCH_YAW: [(&str, usize); 9] = [
@@ -145,14 +164,47 @@ const ROLL_PITCH_YAW: [(&str, usize); 9] = [
 ];
 /// What is no pose, though its columns end in x, y, z.
 const OTHERS: [&str; 36] = [
-    "v", "vel", "velocity", "velocities", "speed", "a", "acc", "accel", "acceleration", "gyro",
-    "gyroscope", "mag", "magnetometer", "angular", "linear", "twist", "force", "torque", "wrench", "omega",
-    "bias", "b", "cov", "covariance", "error", "err", "std", "sd", "sigma", "stddev", "normal", "gravity",
-    "scale", "gaze", "rate", "size",
+    "v",
+    "vel",
+    "velocity",
+    "velocities",
+    "speed",
+    "a",
+    "acc",
+    "accel",
+    "acceleration",
+    "gyro",
+    "gyroscope",
+    "mag",
+    "magnetometer",
+    "angular",
+    "linear",
+    "twist",
+    "force",
+    "torque",
+    "wrench",
+    "omega",
+    "bias",
+    "b",
+    "cov",
+    "covariance",
+    "error",
+    "err",
+    "std",
+    "sd",
+    "sigma",
+    "stddev",
+    "normal",
+    "gravity",
+    "scale",
+    "gaze",
+    "rate",
+    "size",
 ];
 /// Words that say nothing of whose a column is.
 const FILLERS: [&str; 12] = [
-    "field", "header", "stamp", "world", "global", "message", "msg", "data", "value", "rigid", "body", "w",
+    "field", "header", "stamp", "world", "global", "message", "msg", "data", "value", "rigid",
+    "body", "w",
 ];
 const BODIES: [&str; 24] = [
     "id",
@@ -265,19 +317,28 @@ pub(super) fn meaning(name: &str) -> Option<Meaning> {
 
 /// Whether a name that is not read looks as if it were of an orientation.
 pub(super) fn looks_turned(name: &str) -> bool {
-    if column(name).is_some_and(|of| of.meaning.is_turn() || matches!(of.meaning, Meaning::Imaginary(_))) {
+    if column(name)
+        .is_some_and(|of| of.meaning.is_turn() || matches!(of.meaning, Meaning::Imaginary(_)))
+    {
         return true;
     }
     let (words, _) = words(name);
     // Letters by themselves are numbers of parts here.
-    let is_other = words.iter().any(|word| word.len() > 1 && OTHERS.contains(&word.as_str()));
+    let is_other = words
+        .iter()
+        .any(|word| word.len() > 1 && OTHERS.contains(&word.as_str()));
     let is_turn = |word: &String| {
-        let known = QUATERNIONS[..3].iter().chain(&TURNS).chain(&ANGLES[1..]).chain(&VECTORS);
+        let known = QUATERNIONS[..3]
+            .iter()
+            .chain(&TURNS)
+            .chain(&ANGLES[1..])
+            .chain(&VECTORS);
         let mut known = known.chain(ROLL_PITCH_YAW.iter().map(|(name, _)| name));
         let word = word.trim_end_matches(|of: char| of.is_ascii_digit());
         known.any(|known| *known == word)
     };
-    !is_other && (words.iter().any(is_turn) || words == ["w"] || words.iter().any(|word| word == "axis"))
+    !is_other
+        && (words.iter().any(is_turn) || words == ["w"] || words.iter().any(|word| word == "axis"))
 }
 
 fn time(words: &[String], unit: Option<&str>) -> Option<Meaning> {
@@ -307,7 +368,13 @@ fn time(words: &[String], unit: Option<&str>) -> Option<Meaning> {
     let is_frame = matches!(last, "frame" | "frames")
         || matches!(
             words.join(" ").as_str(),
-            "frame number" | "frame no" | "frame num" | "frame idx" | "frame index" | "index" | "field"
+            "frame number"
+                | "frame no"
+                | "frame num"
+                | "frame idx"
+                | "frame index"
+                | "index"
+                | "field"
         );
     is_frame.then_some(Meaning::Frame)
 }
@@ -316,7 +383,14 @@ fn time(words: &[String], unit: Option<&str>) -> Option<Meaning> {
 fn owner(words: &[String]) -> String {
     let said = |word: &&String| {
         let word = word.as_str();
-        let known = [&POSITIONS[..], &QUATERNIONS, &TURNS, &ANGLES, &VECTORS, &FILLERS];
+        let known = [
+            &POSITIONS[..],
+            &QUATERNIONS,
+            &TURNS,
+            &ANGLES,
+            &VECTORS,
+            &FILLERS,
+        ];
         !known.iter().any(|known| known.contains(&word))
     };
     let left: Vec<&str> = words.iter().filter(said).map(String::as_str).collect();
@@ -350,7 +424,11 @@ fn part(word: &str, others: &[String], unit: Option<&str>) -> Option<(Meaning, S
         let unit = angle_unit;
         let is_angle = false;
         return with(match is_quaternion {
-            true => Meaning::Quaternion { part, is_angle, unit },
+            true => Meaning::Quaternion {
+                part,
+                is_angle,
+                unit,
+            },
             false => Meaning::Imaginary(part),
         });
     }
@@ -437,11 +515,19 @@ mod tests {
         let time = |rank, unit| Some(Meaning::Time { rank, unit });
         let quaternion = |part| {
             let (is_angle, unit) = (false, None);
-            Some(Meaning::Quaternion { part, is_angle, unit })
+            Some(Meaning::Quaternion {
+                part,
+                is_angle,
+                unit,
+            })
         };
         let loose = |part, unit| {
             let is_angle = true;
-            Some(Meaning::Quaternion { part, is_angle, unit })
+            Some(Meaning::Quaternion {
+                part,
+                is_angle,
+                unit,
+            })
         };
         let angle = |axis, kind, unit| Some(Meaning::Angle { axis, kind, unit });
         let (ns, s) = (Some(TimeUnit::Nanosecond), Some(TimeUnit::Second));
@@ -517,16 +603,37 @@ mod tests {
             ("/vrpn/hand/pose/position/x", "vrpn_hand"),
             ("qx_cup", "cup"),
         ] {
-            assert_eq!(column(name).map(|of| of.owner).as_deref(), Some(owner), "{name}");
+            assert_eq!(
+                column(name).map(|of| of.owner).as_deref(),
+                Some(owner),
+                "{name}"
+            );
         }
     }
 
     #[test]
     fn what_looks_like_an_orientation_is_known() {
-        for name in ["Rotation A", "quat_a", "heading", "qw", "w", "k", "Euler1", "R21", "ori_2"] {
+        for name in [
+            "Rotation A",
+            "quat_a",
+            "heading",
+            "qw",
+            "w",
+            "k",
+            "Euler1",
+            "R21",
+            "ori_2",
+        ] {
             assert!(looks_turned(name), "{name}");
         }
-        for name in ["x", "seq", "marker error", "angular_velocity", "residual", "frame_id"] {
+        for name in [
+            "x",
+            "seq",
+            "marker error",
+            "angular_velocity",
+            "residual",
+            "frame_id",
+        ] {
             assert!(!looks_turned(name), "{name}");
         }
     }

@@ -20,7 +20,9 @@ pub fn table_text(bytes: Vec<u8>) -> Option<TableText> {
             false => u16::from_be_bytes([pair[0], pair[1]]),
         };
         let units: Vec<u16> = bytes.chunks_exact(2).map(unit).collect();
-        let text = String::from_utf16(&units).ok().filter(|text| !text.contains('\0'))?;
+        let text = String::from_utf16(&units)
+            .ok()
+            .filter(|text| !text.contains('\0'))?;
         let note = Some("the text is UTF-16".to_owned());
         return Some(TableText { text, note });
     }
@@ -28,7 +30,8 @@ pub fn table_text(bytes: Vec<u8>) -> Option<TableText> {
         Ok(text) => (!text.contains('\0')).then_some(TableText { text, note: None }),
         Err(error) => {
             let bytes = error.into_bytes();
-            let is_control = |byte: &u8| *byte < b' ' && !matches!(byte, b'\t' | b'\n' | b'\r' | 0x0c | 0x1a);
+            let is_control =
+                |byte: &u8| *byte < b' ' && !matches!(byte, b'\t' | b'\n' | b'\r' | 0x0c | 0x1a);
             if bytes.iter().any(is_control) {
                 return None;
             }
@@ -48,7 +51,14 @@ fn utf16_order(bytes: &[u8]) -> Option<bool> {
         _ => {}
     }
     let looked_at = &bytes[..bytes.len().min(LOOKED_AT) & !1];
-    let zeros = |odd: usize| looked_at.iter().skip(odd).step_by(2).filter(|of| **of == 0).count();
+    let zeros = |odd: usize| {
+        looked_at
+            .iter()
+            .skip(odd)
+            .step_by(2)
+            .filter(|of| **of == 0)
+            .count()
+    };
     let half = looked_at.len() / 2;
     if half < 4 {
         return None;

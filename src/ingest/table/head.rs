@@ -27,6 +27,16 @@ struct Group {
     against: Vec<String>,
 }
 
+/// Finds the columns of a meaning among those of an owner.
+type Find<'f> = dyn Fn(&dyn Fn(&Meaning) -> bool) -> Vec<usize> + 'f;
+
+/// What letters by themselves give.
+struct Letters {
+    position: [Option<usize>; 3],
+    /// Where a w stands beside them.
+    quaternion: Option<[usize; 4]>,
+}
+
 /// The layout that a line of column names gives.
 pub(super) fn layout(
     line: usize,
@@ -77,8 +87,14 @@ pub(super) fn layout(
         unread: unread.map(|index| names[index].clone()).collect(),
         other_times,
         is_order_named: groups.iter().all(|group| group.notes.is_empty()),
-        notes: groups.iter().flat_map(|group| group.notes.clone()).collect(),
-        against: groups.iter().flat_map(|group| group.against.clone()).collect(),
+        notes: groups
+            .iter()
+            .flat_map(|group| group.notes.clone())
+            .collect(),
+        against: groups
+            .iter()
+            .flat_map(|group| group.against.clone())
+            .collect(),
         ..Layout::plain("a table", time, bodies)
     })
 }
@@ -132,13 +148,17 @@ impl Named<'_> {
         let of_owner = |owner: &str| -> Vec<usize> {
             let is_its = |of: &Column| of.owner == owner && is_of_pose(&of.meaning);
             let indices = 0..self.names.len();
-            indices.filter(|at| self.columns[*at].as_ref().is_some_and(is_its)).collect()
+            indices
+                .filter(|at| self.columns[*at].as_ref().is_some_and(is_its))
+                .collect()
         };
         let mut groups: Vec<Group> = Vec::new();
         for owner in &owners {
             groups.push(self.group(owner, &of_owner(owner), order)?);
         }
-        let whole: Vec<usize> = (0..groups.len()).filter(|at| groups[*at].position.is_some()).collect();
+        let whole: Vec<usize> = (0..groups.len())
+            .filter(|at| groups[*at].position.is_some())
+            .collect();
         // That of nobody in particular goes before others; names of frames may differ between its parts.
         let own = whole.iter().find(|at| groups[**at].owner.is_empty());
         let own = own.or(whole.first().filter(|_| whole.len() == 1)).copied();
@@ -151,7 +171,9 @@ impl Named<'_> {
             let group = self.group("", &all, order)?;
             return self.single(group, &all);
         };
-        let turned = groups.iter().filter(|group| group.position.is_none() && group.orientation.is_some());
+        let turned = groups
+            .iter()
+            .filter(|group| group.position.is_none() && group.orientation.is_some());
         let turned: Vec<Group> = turned.cloned().collect();
         let mut group = groups[own].clone();
         if let (None, [other]) = (&group.orientation, &turned[..]) {
@@ -183,7 +205,8 @@ impl Named<'_> {
         if group.position.is_none() {
             let of_turn = match group.orientation {
                 Some(Orientation::Quaternion(parts)) => {
-                    let names: Vec<String> = parts.iter().map(|at| self.names[*at].clone()).collect();
+                    let names: Vec<String> =
+                        parts.iter().map(|at| self.names[*at].clone()).collect();
                     format!(" ({} are taken for a quaternion)", names.join(", "))
                 }
                 _ => String::new(),
@@ -195,14 +218,19 @@ impl Named<'_> {
             ));
         }
         if group.orientation.is_none() {
-            if columns.iter().any(|at| self.meaning(*at).is_some_and(|of| of.is_turn())) {
+            if columns
+                .iter()
+                .any(|at| self.meaning(*at).is_some_and(|of| of.is_turn()))
+            {
                 return self.fault(format!(
                     "not all columns for an orientation among {}; expected qx, qy, qz and qw in any order, or \
                      their names with --columns",
                     self.listed()
                 ));
             }
-            group.notes.push(points_are_taken("no columns for an orientation"));
+            group
+                .notes
+                .push(points_are_taken("no columns for an orientation"));
         }
         Ok(vec![group])
     }
@@ -214,26 +242,35 @@ impl Named<'_> {
     }
 
     /// What the columns of an owner give.
-    fn group(&self, owner: &str, columns: &[usize], order: Option<QuaternionOrder>) -> Result<Group, Fault> {
+    fn group(
+        &self,
+        owner: &str,
+        columns: &[usize],
+        order: Option<QuaternionOrder>,
+    ) -> Result<Group, Fault> {
         let mut group = Group {
             owner: owner.to_owned(),
             ..Group::default()
         };
         let find = |is_it: &dyn Fn(&Meaning) -> bool| -> Vec<usize> {
-            let found = columns.iter().filter(|at| self.meaning(**at).as_ref().is_some_and(is_it));
+            let found = columns
+                .iter()
+                .filter(|at| self.meaning(**at).as_ref().is_some_and(is_it));
             found.copied().collect()
         };
-        let letters: [Vec<usize>; 4] =
-            std::array::from_fn(|axis| find(&|of| matches!(of, Meaning::Letter { axis: at, .. } if *at == axis)));
-        let named: [Vec<usize>; 3] =
-            std::array::from_fn(|axis| find(&|of| matches!(of, Meaning::Position { axis: at, .. } if *at == axis)));
-        let (position, of_letters) = self.letters(letters, named)?;
-        let position = match position.each_ref().map(Option::as_ref) {
-            [Some(x), Some(y), Some(z)] => Some([*x, *y, *z]),
+        let letters: [Vec<usize>; 4] = std::array::from_fn(|axis| {
+            find(&|of| matches!(of, Meaning::Letter { axis: at, .. } if *at == axis))
+        });
+        let named: [Vec<usize>; 3] = std::array::from_fn(|axis| {
+            find(&|of| matches!(of, Meaning::Position { axis: at, .. } if *at == axis))
+        });
+        let letters = self.letters(letters, named)?;
+        let position = match letters.position {
+            [Some(x), Some(y), Some(z)] => Some([x, y, z]),
             _ => None,
         };
         group.position = position;
-        group.orientation = match of_letters {
+        group.orientation = match letters.quaternion {
             Some(parts) => Some(Orientation::Quaternion(parts)),
             None => self.orientation(&find, order, &mut group)?,
         };
@@ -247,12 +284,7 @@ impl Named<'_> {
     }
 
     /// The columns of a position, and of a quaternion where a w stands beside letters.
-    #[expect(clippy::type_complexity, reason = "an axis each, and the parts if there are any")]
-    fn letters(
-        &self,
-        letters: [Vec<usize>; 4],
-        named: [Vec<usize>; 3],
-    ) -> Result<([Option<usize>; 3], Option<[usize; 4]>), Fault> {
+    fn letters(&self, letters: [Vec<usize>; 4], named: [Vec<usize>; 3]) -> Result<Letters, Fault> {
         let axes = ["x", "y", "z"];
         let one_each = |of: &[Vec<usize>; 3]| -> Result<[Option<usize>; 3], Fault> {
             let mut found = [None; 3];
@@ -267,7 +299,10 @@ impl Named<'_> {
         let Some(w) = w else {
             let both: [Vec<usize>; 3] =
                 std::array::from_fn(|axis| [named[axis].clone(), plain[axis].clone()].concat());
-            return Ok((one_each(&both)?, None));
+            return Ok(Letters {
+                position: one_each(&both)?,
+                quaternion: None,
+            });
         };
         let has_named = named.iter().all(|of| !of.is_empty());
         if has_named || plain.iter().all(|of| of.len() <= 1) {
@@ -275,13 +310,18 @@ impl Named<'_> {
                 [Some(x), Some(y), Some(z)] => Some([x, y, z, w]),
                 _ => None,
             };
-            return Ok((one_each(&named)?, parts));
+            return Ok(Letters {
+                position: one_each(&named)?,
+                quaternion: parts,
+            });
         }
         // Two of each letter: those beside the w are its.
         let beside = |first: Option<usize>| -> Option<[usize; 4]> {
             let first = first?;
             let is_it = |axis: usize| plain[axis].contains(&(first + axis));
-            (0..3).all(is_it).then_some([first, first + 1, first + 2, w])
+            (0..3)
+                .all(is_it)
+                .then_some([first, first + 1, first + 2, w])
         };
         let parts = match (beside(w.checked_sub(3)), beside(w.checked_add(1))) {
             (Some(parts), None) | (None, Some(parts)) => parts,
@@ -297,13 +337,16 @@ impl Named<'_> {
             let others = plain[axis].iter().filter(|at| **at != parts[axis]);
             others.copied().collect()
         });
-        Ok((one_each(&rest)?, Some(parts)))
+        Ok(Letters {
+            position: one_each(&rest)?,
+            quaternion: Some(parts),
+        })
     }
 
     /// The columns of an orientation with names of its own.
     fn orientation(
         &self,
-        find: &dyn Fn(&dyn Fn(&Meaning) -> bool) -> Vec<usize>,
+        find: &Find,
         order: Option<QuaternionOrder>,
         group: &mut Group,
     ) -> Result<Option<Orientation>, Fault> {
@@ -339,18 +382,29 @@ impl Named<'_> {
         }
         let entries = find(&|of| matches!(of, Meaning::Entry { .. }));
         if let Some(matrix) = self.rotation_of_matrix(&entries) {
-            group.notes.push("a matrix is read row by row, as its columns are counted".to_owned());
+            group
+                .notes
+                .push("a matrix is read row by row, as its columns are counted".to_owned());
             return Ok(Some(Orientation::Matrix(matrix)));
         }
-        if let Some(found) = self.numbered(&find(&|of| matches!(of, Meaning::Numbered(_))), order, group)? {
+        if let Some(found) = self.numbered(
+            &find(&|of| matches!(of, Meaning::Numbered(_))),
+            order,
+            group,
+        )? {
             return Ok(Some(found));
         }
         // Without a w, `rot_x` is an angle.
-        let is_loose = find(&|of| matches!(of, Meaning::Quaternion { is_angle: true, .. })).len() == 3;
+        let is_loose =
+            find(&|of| matches!(of, Meaning::Quaternion { is_angle: true, .. })).len() == 3;
         if is_loose {
             untold = quaternion;
         }
-        for (columns, kind) in [(rpy, AngleKind::Rpy), (vector, AngleKind::Vector), (untold, AngleKind::Untold)] {
+        for (columns, kind) in [
+            (rpy, AngleKind::Rpy),
+            (vector, AngleKind::Vector),
+            (untold, AngleKind::Untold),
+        ] {
             let [Some(x), Some(y), Some(z), _] = columns else {
                 continue;
             };
@@ -399,7 +453,8 @@ impl Named<'_> {
                 None => "the usual order (--quaternion xyzw for the other)",
             };
             // `q0` is the scalar for whoever counts so.
-            let is_usual = self.names[a].trim().eq_ignore_ascii_case("q0");
+            let letters = self.names[a].chars().filter(|of| of.is_alphanumeric());
+            let is_usual = letters.collect::<String>().eq_ignore_ascii_case("q0");
             if order.is_none() && !is_usual {
                 group.against.push(
                     "nothing tells the order of a quaternion whose columns are numbered: expected --quaternion wxyz or \
@@ -409,11 +464,15 @@ impl Named<'_> {
             }
             let order = order.unwrap_or(QuaternionOrder::Wxyz);
             let words = order.words();
-            group.notes.push(format!("the quaternion's columns are numbered: taken as {words}, {why}"));
+            group.notes.push(format!(
+                "the quaternion's columns are numbered: taken as {words}, {why}"
+            ));
             return Ok(Some(Orientation::Quaternion(order.columns([a, b, c, d]))));
         }
         if let Ok(nine) = <[usize; 9]>::try_from(columns.as_slice()) {
-            group.notes.push("nine numbered entries of a matrix: taken row by row".to_owned());
+            group
+                .notes
+                .push("nine numbered entries of a matrix: taken row by row".to_owned());
             group.against.push(
                 "nothing tells whether a matrix whose entries are numbered is written row by row or column by column: \
                  expected r11, r12, r13, r21, … in --columns"
@@ -440,8 +499,15 @@ impl Named<'_> {
             Some(Meaning::Entry { row, column }) => Some([row, column]),
             _ => None,
         };
-        let base = usize::from(!entries.iter().filter_map(counted).any(|[row, column]| row == 0 || column == 0));
-        let mut found = entries.iter().filter(|at| counted(at) == Some([row + base, column + base]));
+        let base = usize::from(
+            !entries
+                .iter()
+                .filter_map(counted)
+                .any(|[row, column]| row == 0 || column == 0),
+        );
+        let mut found = entries
+            .iter()
+            .filter(|at| counted(at) == Some([row + base, column + base]));
         found.next().copied()
     }
 
@@ -485,8 +551,13 @@ impl Named<'_> {
         let mut ranks: Vec<u8> = ranked.iter().map(|(rank, ..)| *rank).collect();
         ranks.sort_by(|a, b| b.cmp(a));
         ranks.dedup();
-        let frame = self.columns.iter().position(|of| of.as_ref().is_some_and(|of| of.meaning == Meaning::Frame));
-        let by_frame = frame.map_or(TimeColumns::Row, |at| TimeColumns::One(at, Some(TimeUnit::Frame)));
+        let frame = self
+            .columns
+            .iter()
+            .position(|of| of.as_ref().is_some_and(|of| of.meaning == Meaning::Frame));
+        let by_frame = frame.map_or(TimeColumns::Row, |at| {
+            TimeColumns::One(at, Some(TimeUnit::Frame))
+        });
         let Some(best) = ranks.first() else {
             return Ok((by_frame, Vec::new()));
         };
@@ -494,7 +565,9 @@ impl Named<'_> {
             let its = ranked.iter().filter(|(of, ..)| *of == rank);
             its.map(|(_, index, unit)| (*index, *unit)).collect()
         };
-        let clear = ranks.iter().find_map(|rank| columns_of_time(&of_rank(*rank)));
+        let clear = ranks
+            .iter()
+            .find_map(|rank| columns_of_time(&of_rank(*rank)));
         let Some(found) = clear else {
             let all = of_rank(*best).into_iter().map(|(index, _)| index);
             self.one("the time", all.collect())?;
@@ -505,7 +578,10 @@ impl Named<'_> {
             TimeColumns::Two(whole, rest) => *index == whole || *index == rest,
             TimeColumns::Row => false,
         };
-        let others = ranked.iter().map(|(_, index, _)| *index).filter(|index| !is_used(index));
+        let others = ranked
+            .iter()
+            .map(|(_, index, _)| *index)
+            .filter(|index| !is_used(index));
         let others = others.map(|index| self.names[index].clone()).collect();
         Ok((found, others))
     }
@@ -518,7 +594,9 @@ fn columns_of_time(columns: &[(usize, Option<TimeUnit>)]) -> Option<TimeColumns>
         [(whole, a), (rest, b)] if (*a, *b) == (s, ns) => Some(TimeColumns::Two(*whole, *rest)),
         [(rest, b), (whole, a)] if (*a, *b) == (s, ns) => Some(TimeColumns::Two(*whole, *rest)),
         // Several clocks, each with its unit.
-        [(first, unit), rest @ ..] if unit.is_some() && rest.iter().all(|(_, unit)| unit.is_some()) => {
+        [(first, unit), rest @ ..]
+            if unit.is_some() && rest.iter().all(|(_, unit)| unit.is_some()) =>
+        {
             Some(TimeColumns::One(*first, *unit))
         }
         _ => None,
@@ -526,6 +604,9 @@ fn columns_of_time(columns: &[(usize, Option<TimeUnit>)]) -> Option<TimeColumns>
 }
 
 fn is_of_pose(meaning: &Meaning) -> bool {
-    let is_place = matches!(meaning, Meaning::Position { .. } | Meaning::Letter { .. } | Meaning::Coordinate(_));
+    let is_place = matches!(
+        meaning,
+        Meaning::Position { .. } | Meaning::Letter { .. } | Meaning::Coordinate(_)
+    );
     is_place || matches!(meaning, Meaning::Imaginary(_)) || meaning.is_turn()
 }

@@ -188,7 +188,11 @@ pub(super) struct Layout {
 
 impl Layout {
     /// A layout of which nothing is known but where time and bodies are.
-    pub(super) fn plain(kind: impl Into<String>, time: TimeColumns, bodies: Vec<BodyColumns>) -> Self {
+    pub(super) fn plain(
+        kind: impl Into<String>,
+        time: TimeColumns,
+        bodies: Vec<BodyColumns>,
+    ) -> Self {
         Self {
             kind: kind.into(),
             time,

@@ -120,7 +120,10 @@ pub(super) fn absence(cell: &str) -> Option<Unseen> {
     if cell.is_empty() {
         return Some(Unseen::Empty);
     }
-    // All words are short, and no cell with a digit in front is one but for those of an old runtime.
+    // Numbers are most of what is looked at; those of an old runtime have a sign of their own.
+    if cell.starts_with(|of: char| of.is_ascii_digit()) && !cell.contains('#') {
+        return None;
+    }
     let is_word = cell.len() <= 12 && WORDS.contains(&cell.to_ascii_lowercase().as_str());
     is_word.then_some(Unseen::Word)
 }
@@ -225,7 +228,19 @@ mod tests {
 
     #[test]
     fn words_and_numbers_for_nothing_are_known() {
-        for cell in ["", "nan", "NaN", "-nan(ind)", "NA", "N/A", "inf", "-Inf", "1.#QNAN", "null", "-"] {
+        for cell in [
+            "",
+            "nan",
+            "NaN",
+            "-nan(ind)",
+            "NA",
+            "N/A",
+            "inf",
+            "-Inf",
+            "1.#QNAN",
+            "null",
+            "-",
+        ] {
             assert!(is_absent(cell), "{cell}");
         }
         for cell in ["0", "-1", "1e3", "nan1", "lost and found"] {
@@ -249,21 +264,45 @@ mod tests {
 
     #[test]
     fn zeros_are_no_poses_where_the_path_does_not_come_there() {
-        let jump = path(&[[1.0, 0.0], [1.01, 0.0], [0.0, 0.0], [0.0, 0.0], [1.02, 0.0], [1.03, 0.0]]);
+        let jump = path(&[
+            [1.0, 0.0],
+            [1.01, 0.0],
+            [0.0, 0.0],
+            [0.0, 0.0],
+            [1.02, 0.0],
+            [1.03, 0.0],
+        ]);
         assert_eq!(stray_zeros(&jump), [false, false, true, true, false, false]);
         // A trajectory that begins where its world does.
         let begins = path(&[[0.0, 0.0], [0.01, 0.1], [0.02, 0.2], [0.03, 0.3]]);
         assert_eq!(stray_zeros(&begins), [false; 4]);
         // Orientation alone.
-        let live = path(&[[0.0, 0.1], [0.0, 0.2], [0.0, 0.3], [0.005, 0.4], [0.01, 0.5]]);
+        let live = path(&[
+            [0.0, 0.1],
+            [0.0, 0.2],
+            [0.0, 0.3],
+            [0.005, 0.4],
+            [0.01, 0.5],
+        ]);
         assert_eq!(stray_zeros(&live), [true, true, true, false, false]);
     }
 
     #[test]
     fn held_poses_are_counted_with_the_longest_run() {
-        let all = path(&[[1.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [3.0, 0.0], [3.0, 0.0]]);
+        let all = path(&[
+            [1.0, 0.0],
+            [1.0, 0.0],
+            [2.0, 0.0],
+            [3.0, 0.0],
+            [3.0, 0.0],
+            [3.0, 0.0],
+        ]);
         let all: Vec<&PoseSample> = all.iter().collect();
-        let expected = HeldPoses { count: 3, longest: 2, longest_from: 3 };
+        let expected = HeldPoses {
+            count: 3,
+            longest: 2,
+            longest_from: 3,
+        };
         assert_eq!(held_poses(&all), expected);
     }
 }

@@ -26,20 +26,32 @@ pub(super) struct Order {
 /// Looks at the times of a body's rows in the order of the file. `others` are columns that may serve better.
 pub(super) fn order(rows: &[RowTime], others: &[String]) -> Order {
     let mut order = Order::default();
-    let steps = || rows.windows(2).map(|pair| (pair[1].line, pair[1].ns.saturating_sub(pair[0].ns)));
-    let mut forward: Vec<i64> = steps().map(|(_, step)| step).filter(|step| *step > 0).collect();
+    let steps = || {
+        rows.windows(2)
+            .map(|pair| (pair[1].line, pair[1].ns.saturating_sub(pair[0].ns)))
+    };
+    let mut forward: Vec<i64> = steps()
+        .map(|(_, step)| step)
+        .filter(|step| *step > 0)
+        .collect();
     let middle = forward.len() / 2;
     let median_ns = match forward.is_empty() {
         true => 0.0,
         false => *forward.select_nth_unstable(middle).1 as f64,
     };
     back(&mut order, steps(), median_ns);
-    let equal: Vec<usize> = steps().filter(|(_, step)| *step == 0).map(|(line, _)| line).collect();
+    let equal: Vec<usize> = steps()
+        .filter(|(_, step)| *step == 0)
+        .map(|(line, _)| line)
+        .collect();
     let Some(first) = equal.first() else {
         return order;
     };
     let count = rows.len();
-    let said = format!("{} of {count} poses have the time of the one before, the first in line {first}", equal.len());
+    let said = format!(
+        "{} of {count} poses have the time of the one before, the first in line {first}",
+        equal.len()
+    );
     if equal.len() as f64 <= EQUAL_SHARE * count as f64 {
         order.notes.push(said);
         return order;
@@ -47,7 +59,10 @@ pub(super) fn order(rows: &[RowTime], others: &[String]) -> Order {
     let are_whole = rows.iter().all(|row| row.ns % 1_000_000_000 == 0);
     let column = match others {
         [] => String::new(),
-        others => format!(", or another column ({}) for the time in --columns", listed(others)),
+        others => format!(
+            ", or another column ({}) for the time in --columns",
+            listed(others)
+        ),
     };
     order.against.push(if equal.len() + 1 == count {
         format!("all poses are at one instant, {} s: expected --rate HZ{column}", rows[0].ns as f64 * 1e-9)
@@ -116,18 +131,33 @@ mod tests {
     #[test]
     fn what_is_out_of_order_is_said_with_its_line() {
         let again = of(&[0, 10, 20, 30, 40, 50, 60, 0, 10, 20]);
-        assert!(again.against[0].starts_with("times go back by 0.060 s at line 9:"), "{again:?}");
+        assert!(
+            again.against[0].starts_with("times go back by 0.060 s at line 9:"),
+            "{again:?}"
+        );
         let late = of(&[0, 10, 20, 40, 30, 50, 60]);
-        assert!(late.against.is_empty() && late.notes[0].contains("1 rows come after"), "{late:?}");
+        assert!(
+            late.against.is_empty() && late.notes[0].contains("1 rows come after"),
+            "{late:?}"
+        );
     }
 
     #[test]
     fn poses_at_one_time_are_doubted_with_what_would_serve() {
         let instant = of(&[0, 0, 0]);
-        assert!(instant.against[0].contains("all poses are at one instant") && instant.against[0].contains("stamp"));
+        assert!(
+            instant.against[0].contains("all poses are at one instant")
+                && instant.against[0].contains("stamp")
+        );
         let whole = of(&[0, 0, 0, 1000, 1000, 2000]);
-        assert!(whole.against[0].starts_with("times are whole seconds: 3 of 6"), "{whole:?}");
+        assert!(
+            whole.against[0].starts_with("times are whole seconds: 3 of 6"),
+            "{whole:?}"
+        );
         let turns = of(&[0, 0, 10, 10, 20, 20]);
-        assert!(turns.against[0].contains("several bodies in turn"), "{turns:?}");
+        assert!(
+            turns.against[0].contains("several bodies in turn"),
+            "{turns:?}"
+        );
     }
 }

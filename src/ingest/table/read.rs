@@ -6,79 +6,19 @@ use super::axes::{PRESETS, Preset};
 use super::columns::looks_turned;
 use super::formats;
 use super::head;
-use super::layout::{Fault, Layout, QuaternionOrder, TimeColumns, fault};
-use super::missing::{UnseenRows, is_absent};
+use super::layout::{Fault, Layout, TimeColumns, fault, shown};
+use super::missing::is_absent;
+use super::poses::{PoseTable, TableOptions};
 use super::said::Said;
 use super::sample::{Reader, angle_unit, bodies};
 use super::stamp::is_text_time;
 use super::text::{Line, Lines, lines, number};
 use super::time::clock;
-use super::turn::Turn;
-use super::units::{AngleUnit, TimeUnit};
 use crate::ingest::error::IngestError;
-use crate::motion::{LengthUnit, PoseSample, Stamp};
+use crate::motion::Stamp;
 
 /// Most lines at the end of a table that are no rows of it.
 const FOOTER_LINES: usize = 50;
-
-/// What a user says of a table; what is not said is read off its head, or guessed.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct TableOptions {
-    /// Names of the columns, in order, parted by commas, in place of those in the file.
-    pub columns: Option<String>,
-    /// Unit of the times.
-    pub time_unit: Option<TimeUnit>,
-    /// Unit of the positions.
-    pub length_unit: Option<LengthUnit>,
-    /// Unit of angles.
-    pub angle_unit: Option<AngleUnit>,
-    /// Rows are so many a second, whatever their times say; frames are, where times count frames.
-    pub rate_hz: Option<f64>,
-    /// Order of the quaternion's numbers, where names do not say it.
-    pub quaternion: Option<QuaternionOrder>,
-    /// What three angles mean.
-    pub turn: Option<&'static Turn>,
-    /// What is usual where it comes from.
-    pub preset: Option<&'static Preset>,
-}
-
-/// What a table holds.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PoseTable {
-    /// What wrote it, in words.
-    pub kind: String,
-    /// The preset by which its axes were turned.
-    pub preset: &'static Preset,
-    /// The unit of its positions.
-    pub length: LengthUnit,
-    /// Its bodies, in the order of their columns or first rows.
-    pub bodies: Vec<BodyPoses>,
-    /// Marks of its head, with the names of events.
-    pub marks: Vec<(String, Stamp)>,
-    /// The time of its first row where it counts frames or rows: several files have one zero.
-    pub zero: Option<Stamp>,
-    /// What was guessed, and what was not read.
-    pub notes: Vec<String>,
-    /// What speaks against how it was read.
-    pub against: Vec<String>,
-    /// What is lost.
-    pub lost: Vec<String>,
-}
-
-/// The samples of a body, in file order: metres, z up.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct BodyPoses {
-    /// Its name in the file, if it has one there.
-    pub name: Option<String>,
-    /// Its readings.
-    pub samples: Vec<PoseSample>,
-    /// Rows in which it has no pose.
-    pub unseen: UnseenRows,
-    /// What is to be known of its rows.
-    pub notes: Vec<String>,
-    /// What speaks against them.
-    pub against: Vec<String>,
-}
 
 /// Reads the text of a table; `path` is its name in errors. Fails, with the line and what is wrong there,
 /// where cells are no numbers or the columns of a pose are not found.
@@ -198,13 +138,21 @@ fn section<'l>(layout: &Layout, rows: &'l [Line], said: &mut Said) -> &'l [Line]
 
 /// The rows without lines at the end that begin with a word where all others begin with a number or a time; such a
 /// line among the rows is refused.
-fn without_footer<'l>(layout: &Layout, rows: &'l [Line], said: &mut Said) -> Result<&'l [Line], Fault> {
+fn without_footer<'l>(
+    layout: &Layout,
+    rows: &'l [Line],
+    said: &mut Said,
+) -> Result<&'l [Line], Fault> {
     let is_first = layout.time.first() == Some(0);
     let is_word = |row: &Line| {
         let cell = row.cells[0].as_str();
         number(cell).is_none() && !is_absent(cell) && !is_text_time(cell)
     };
-    let Some(first) = rows.iter().position(is_word).filter(|first| is_first && *first > 0) else {
+    let Some(first) = rows
+        .iter()
+        .position(is_word)
+        .filter(|first| is_first && *first > 0)
+    else {
         return Ok(rows);
     };
     let rest = &rows[first..];
@@ -220,7 +168,7 @@ fn without_footer<'l>(layout: &Layout, rows: &'l [Line], said: &mut Said) -> Res
         rest[0].number,
         format!(
             "{} begins a line among the rows, where a number was expected: two tables in one file? Part the file there",
-            super::layout::shown(&rest[0].cells[0])
+            shown(&rest[0].cells[0])
         ),
     )
 }
@@ -231,10 +179,16 @@ fn decimal_commas(layout: &Layout, rows: &[Line], lines: &Lines, said: &mut Said
         return;
     };
     let has_comma = |row: &Line| {
-        let mut cells = body.position.iter().filter_map(|column| row.cells.get(*column));
+        let mut cells = body
+            .position
+            .iter()
+            .filter_map(|column| row.cells.get(*column));
         cells.any(|cell| cell.contains(',') && number(cell).is_some())
     };
     if rows.iter().take(20).any(has_comma) {
-        said.note(format!("numbers have decimal commas, parted by {}", lines.separator.name()));
+        said.note(format!(
+            "numbers have decimal commas, parted by {}",
+            lines.separator.name()
+        ));
     }
 }

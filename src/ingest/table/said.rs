@@ -3,7 +3,7 @@
 
 use super::axes::Preset;
 use super::layout::{BodyColumns, Layout, Orientation};
-use super::read::TableOptions;
+use super::poses::TableOptions;
 use super::turn::Turn;
 use super::units::{AngleUnit, length_name};
 use crate::motion::LengthUnit;
@@ -36,10 +36,22 @@ impl Said {
             return;
         }
         self.note(format!("columns not read: {}", listed(&layout.unread)));
-        let are_points = layout.bodies.iter().any(|of| of.orientation == Orientation::Unseen);
+        let are_points = layout
+            .bodies
+            .iter()
+            .any(|of| of.orientation == Orientation::Unseen);
         // Robots' A, B, C.
-        let has = |letter: &str| layout.unread.iter().any(|of| of.trim().eq_ignore_ascii_case(letter));
-        let is_abc = |of: &str| ["a", "b", "c"].iter().any(|letter| of.trim().eq_ignore_ascii_case(letter));
+        let has = |letter: &str| {
+            layout
+                .unread
+                .iter()
+                .any(|of| of.trim().eq_ignore_ascii_case(letter))
+        };
+        let is_abc = |of: &str| {
+            ["a", "b", "c"]
+                .iter()
+                .any(|letter| of.trim().eq_ignore_ascii_case(letter))
+        };
         let are_abc = has("a") && has("b") && has("c");
         let is_turned = |of: &&String| looks_turned(of) || (are_abc && is_abc(of));
         let turned: Vec<String> = layout.unread.iter().filter(is_turned).cloned().collect();
@@ -56,28 +68,44 @@ impl Said {
     pub(super) fn order(&mut self, layout: &Layout) {
         let named = layout.bodies.iter().filter(|_| layout.is_order_named);
         if let Some(order) = { named }.find_map(|body| body.orientation.order()) {
-            self.note(format!("quaternions are {order}, as their columns are named"));
+            self.note(format!(
+                "quaternions are {order}, as their columns are named"
+            ));
         }
     }
 
     /// Which unit positions are in.
-    pub(super) fn length(&mut self, unit: LengthUnit, layout: &Layout, options: &TableOptions, preset: &Preset) {
+    pub(super) fn length(
+        &mut self,
+        unit: LengthUnit,
+        layout: &Layout,
+        options: &TableOptions,
+        preset: &Preset,
+    ) {
         let name = length_name(unit);
         self.note(if options.length_unit.is_some() {
             format!("positions are in {name}, as --length-unit says")
         } else if layout.length.is_some() {
             format!("positions are in {name}, as the file says")
         } else if options.preset.is_some() || layout.preset.is_some() {
-            format!("positions are taken for {name}, as usual for {} (--length-unit for others)", preset.name)
+            format!(
+                "positions are taken for {name}, as usual for {} (--length-unit for others)",
+                preset.name
+            )
         } else {
-            format!("positions are taken for {name}: the file does not say (--length-unit for others)")
+            format!(
+                "positions are taken for {name}: the file does not say (--length-unit for others)"
+            )
         });
     }
 
     /// Which axis is up.
     pub(super) fn axes(&mut self, layout: &Layout, options: &TableOptions, preset: &Preset) {
         if options.preset.is_some() {
-            return self.note(format!("axes are those of --from {}: {}", preset.name, preset.about));
+            return self.note(format!(
+                "axes are those of --from {}: {}",
+                preset.name, preset.about
+            ));
         }
         self.note(match layout.preset {
             Some(_) => format!("axes are taken as in {} (--from for others)", preset.about),
@@ -109,7 +137,10 @@ impl Said {
 
     /// Whether several bodies are in a row.
     pub(super) fn bodies(&mut self, bodies: &[BodyColumns]) {
-        let points = bodies.iter().filter(|of| of.orientation == Orientation::Unseen).count();
+        let points = bodies
+            .iter()
+            .filter(|of| of.orientation == Orientation::Unseen)
+            .count();
         if bodies.len() > 1 {
             self.note(format!(
                 "{} bodies side by side: {} with poses, {points} with points",

@@ -5,12 +5,10 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 
 use super::axes::Preset;
-use super::layout::{
-    Angles, BodyColumns, Fault, Layout, Orientation, SeenColumn, fault, shown,
-};
+use super::layout::{Angles, BodyColumns, Fault, Layout, Orientation, SeenColumn, fault, shown};
 use super::missing::{Unseen, absence, is_sentinel, stray_zeros};
 use super::order::{RowTime, order};
-use super::read::{BodyPoses, TableOptions};
+use super::poses::{BodyPoses, TableOptions};
 use super::said::Said;
 use super::text::{Line, number};
 use super::time::Clock;
@@ -92,7 +90,9 @@ pub(super) fn bodies(
                 None => index,
             };
             match reader.read(columns, row, place) {
-                Ok(Reading::Sample(sample)) => of_body.add(sample, row.number, reader.clock.wraps()),
+                Ok(Reading::Sample(sample)) => {
+                    of_body.add(sample, row.number, reader.clock.wraps())
+                }
                 Ok(Reading::Unseen(why)) => of_body.body.unseen.add(why),
                 Err(_) if is_open && index + 1 == rows.len() => {
                     lost.push(format!("line {}: the last, which is cut off", row.number));
@@ -102,14 +102,19 @@ pub(super) fn bodies(
         }
     }
     lost.dedup();
-    let bodies: Vec<BodyPoses> = all.into_iter().map(|of| of.finished(&layout.other_times)).collect();
+    let bodies: Vec<BodyPoses> = all
+        .into_iter()
+        .map(|of| of.finished(&layout.other_times))
+        .collect();
     if bodies.iter().all(|body| body.samples.is_empty()) {
         let why = bodies.iter().find_map(|body| body.unseen.words());
         return fault(
             rows.first().map_or(0, |row| row.number),
             format!(
                 "no row with a pose, expected some{}: --columns says which columns are read",
-                why.map_or(String::new(), |why| format!("; of these rows there are {why}"))
+                why.map_or(String::new(), |why| format!(
+                    "; of these rows there are {why}"
+                ))
             ),
         );
     }
@@ -136,12 +141,15 @@ impl Rows {
         let stray = stray_zeros(&self.body.samples);
         let mut is_stray = stray.iter();
         let body = &mut self.body;
-        body.samples.retain(|_| !is_stray.next().copied().unwrap_or(false));
+        body.samples
+            .retain(|_| !is_stray.next().copied().unwrap_or(false));
         for _ in stray.iter().filter(|stray| **stray) {
             body.unseen.add(Unseen::Zeros);
         }
         if let Some(off) = normalise(&mut body.samples) {
-            body.notes.push(format!("norms of quaternions are up to {off:.3} off 1: they are made 1"));
+            body.notes.push(format!(
+                "norms of quaternions are up to {off:.3} off 1: they are made 1"
+            ));
         }
         let order = order(&self.times, other_times);
         body.notes.extend(order.notes);
@@ -208,10 +216,17 @@ impl Reader {
         };
         let stamp = Stamp(self.clock.of(row, place)?);
         let quaternion = self.preset.quaternion(quaternion);
-        Ok(Reading::Sample(PoseSample::new(stamp, position_m, quaternion)))
+        Ok(Reading::Sample(PoseSample::new(
+            stamp, position_m, quaternion,
+        )))
     }
 
-    fn quaternion(&self, numbers: [f64; 3], angles: &Angles, line: usize) -> Result<[f64; 4], Fault> {
+    fn quaternion(
+        &self,
+        numbers: [f64; 3],
+        angles: &Angles,
+        line: usize,
+    ) -> Result<[f64; 4], Fault> {
         let Some(turn) = self.turn.or(angles.turn) else {
             return fault(
                 line,
@@ -275,7 +290,9 @@ impl Reader {
 fn unseen(column: SeenColumn, row: &Line) -> Option<Unseen> {
     let cell = |at: usize| row.cells.get(at).map(|cell| cell.to_ascii_lowercase());
     let is_no = |cell: &str| matches!(cell, "false" | "no" | "f") || number(cell) == Some(0.0);
-    let is_yes = |cell: &str| matches!(cell, "true" | "yes" | "t") || number(cell).is_some_and(|of| of != 0.0);
+    let is_yes = |cell: &str| {
+        matches!(cell, "true" | "yes" | "t") || number(cell).is_some_and(|of| of != 0.0)
+    };
     match column {
         SeenColumn::Tracked(at) => is_no(&cell(at)?).then_some(Unseen::Flag),
         SeenColumn::Lost(at) => is_yes(&cell(at)?).then_some(Unseen::Flag),
@@ -291,10 +308,13 @@ pub(super) fn angle_unit(
     preset: &Preset,
     said: &mut Said,
 ) -> AngleUnit {
-    let mut of_bodies = layout.bodies.iter().filter_map(|body| match body.orientation {
-        Orientation::Angles(angles) => Some(angles),
-        _ => None,
-    });
+    let mut of_bodies = layout
+        .bodies
+        .iter()
+        .filter_map(|body| match body.orientation {
+            Orientation::Angles(angles) => Some(angles),
+            _ => None,
+        });
     let Some(first) = of_bodies.next() else {
         return AngleUnit::Radian;
     };
@@ -310,14 +330,21 @@ pub(super) fn angle_unit(
         said.angle_unit(unit, "as the file says");
         return unit;
     }
-    let of_columns = [first].into_iter().chain(of_bodies).flat_map(|of| of.columns);
+    let of_columns = [first]
+        .into_iter()
+        .chain(of_bodies)
+        .flat_map(|of| of.columns);
     let mut greatest = 0.0_f64;
     let mut step_most = 0.0_f64;
     let mut range_most = 0.0_f64;
     for column in of_columns {
         let values = rows.iter().filter_map(|row| row.cells.get(column));
         let values: Vec<f64> = values.filter_map(|cell| number(cell)).collect();
-        let (least, most) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), of| (a.min(*of), b.max(*of)));
+        let (least, most) = values
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), of| {
+                (a.min(*of), b.max(*of))
+            });
         greatest = greatest.max(least.abs()).max(most.abs());
         range_most = range_most.max(most - least);
         let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
@@ -326,7 +353,10 @@ pub(super) fn angle_unit(
     let turn_rad = std::f64::consts::TAU;
     let untold = "nothing tells the unit of angles: expected --angle-unit deg or --angle-unit rad";
     if greatest > turn_rad + NEAR_TURN {
-        said.angle_unit(AngleUnit::Degree, &format!("as {greatest:.1} is no angle in radians (--angle-unit for others)"));
+        said.angle_unit(
+            AngleUnit::Degree,
+            &format!("as {greatest:.1} is no angle in radians (--angle-unit for others)"),
+        );
         // Angles that nobody wrapped may be of several turns.
         if greatest <= RADIANS_MAX && step_most < WRAP_SHARE * 360.0 {
             said.against(untold);
@@ -353,14 +383,26 @@ const NORM_OFF: f64 = 0.1;
 /// Makes quaternions of norm 1 of those that are near it, and returns the greatest deviation; `None` where rounding
 /// explains it, or where some are far from it.
 fn normalise(samples: &mut [PoseSample]) -> Option<f64> {
-    let norm = |sample: &PoseSample| sample.quaternion_xyzw.iter().map(|part| part * part).sum::<f64>().sqrt();
+    let norm = |sample: &PoseSample| {
+        sample
+            .quaternion_xyzw
+            .iter()
+            .map(|part| part * part)
+            .sum::<f64>()
+            .sqrt()
+    };
     let off = |sample: &PoseSample| (norm(sample) - 1.0).abs();
     let of_poses = || samples.iter().filter(|sample| sample.holds == Holds::Pose);
     let most = of_poses().map(off).fold(0.0, f64::max);
-    if !(NORM_ROUNDED..=NORM_OFF).contains(&most) || of_poses().any(|sample| !norm(sample).is_finite()) {
+    if !(NORM_ROUNDED..=NORM_OFF).contains(&most)
+        || of_poses().any(|sample| !norm(sample).is_finite())
+    {
         return None;
     }
-    for sample in samples.iter_mut().filter(|sample| sample.holds == Holds::Pose) {
+    for sample in samples
+        .iter_mut()
+        .filter(|sample| sample.holds == Holds::Pose)
+    {
         let norm = norm(sample);
         sample.quaternion_xyzw = sample.quaternion_xyzw.map(|part| part / norm);
     }

@@ -75,7 +75,9 @@ pub(super) fn text_time(text: &str) -> Option<TextTime> {
     let (clock, zone_ns) = zoned(clock.trim())?;
     let days = days_since_1970(date)?;
     let ns = days.checked_mul(DAY_NS)?;
-    let ns = ns.checked_add(time_of_day_ns(clock)?)?.checked_sub(zone_ns)?;
+    let ns = ns
+        .checked_add(time_of_day_ns(clock)?)?
+        .checked_sub(zone_ns)?;
     Some(TextTime { ns, has_date: true })
 }
 
@@ -101,7 +103,9 @@ fn time_of_day_ns(text: &str) -> Option<i64> {
         is_digits.then(|| text.parse().ok()).flatten()
     };
     let seconds_ns = nanoseconds(seconds, 9).filter(|ns| *ns >= 0)?;
-    let minutes = whole(hours)?.checked_mul(60)?.checked_add(whole(minutes)?)?;
+    let minutes = whole(hours)?
+        .checked_mul(60)?
+        .checked_add(whole(minutes)?)?;
     minutes.checked_mul(60_000_000_000)?.checked_add(seconds_ns)
 }
 
@@ -123,7 +127,14 @@ fn zoned(text: &str) -> Option<(&str, i64)> {
     let hours: i64 = digits[..2].parse().ok()?;
     let minutes: i64 = digits.get(2..4).map_or(Some(0), |of| of.parse().ok())?;
     let ahead_ns = (60 * hours + minutes) * 60_000_000_000;
-    Some((clock.trim_end(), if zone.starts_with('-') { -ahead_ns } else { ahead_ns }))
+    Some((
+        clock.trim_end(),
+        if zone.starts_with('-') {
+            -ahead_ns
+        } else {
+            ahead_ns
+        },
+    ))
 }
 
 /// Days since 1970 of a date of the Gregorian calendar, the year first.
@@ -191,9 +202,21 @@ mod tests {
         let day = 86_400_000_000_000_i64;
         for (text, ns, has_date) in [
             ("1970-01-01T00:00:00Z", 0, true),
-            ("2026-01-05T10:00:00.008509Z", 1_767_607_200_008_509_000, true),
-            ("2026-01-05 11:00:00.25+01:00", 1_767_607_200_250_000_000, true),
-            ("2026/01/05 05:00:00,5 -0500", 1_767_607_200_500_000_000, true),
+            (
+                "2026-01-05T10:00:00.008509Z",
+                1_767_607_200_008_509_000,
+                true,
+            ),
+            (
+                "2026-01-05 11:00:00.25+01:00",
+                1_767_607_200_250_000_000,
+                true,
+            ),
+            (
+                "2026/01/05 05:00:00,5 -0500",
+                1_767_607_200_500_000_000,
+                true,
+            ),
             ("2000-03-01T00:00:00", 11_017 * day, true),
             ("2000-02-29T00:00:00", 11_016 * day, true),
             ("10:00:00.016", 36_000_016_000_000, false),
@@ -202,7 +225,16 @@ mod tests {
             let found = text_time(text).unwrap_or_else(|| panic!("{text}"));
             assert_eq!((found.ns, found.has_date), (ns, has_date), "{text}");
         }
-        for text in ["", ":", "12", "a:b:c", "10:00", "2026-13-05T10:00:00", "05.01.2026 10:00:00", "1:2:3:4"] {
+        for text in [
+            "",
+            ":",
+            "12",
+            "a:b:c",
+            "10:00",
+            "2026-13-05T10:00:00",
+            "05.01.2026 10:00:00",
+            "1:2:3:4",
+        ] {
             assert_eq!(text_time(text), None, "{text}");
         }
     }

@@ -103,7 +103,11 @@ fn motives_bodies_come_with_their_names_and_z_up() {
         (Some("m1"), Holds::Position)
     );
     assert_eq!(
-        (hand.name.as_deref(), hand.samples.len(), hand.unseen.count()),
+        (
+            hand.name.as_deref(),
+            hand.samples.len(),
+            hand.unseen.count()
+        ),
         (Some("Hand"), 1, 1)
     );
     let sample = &cup.samples[1];
@@ -231,7 +235,13 @@ fn bodies_in_turn_are_told_by_name() {
     let counts: Vec<_> = table
         .bodies
         .iter()
-        .map(|body| (body.name.as_deref(), body.samples.len(), body.unseen.count()))
+        .map(|body| {
+            (
+                body.name.as_deref(),
+                body.samples.len(),
+                body.unseen.count(),
+            )
+        })
         .collect();
     assert_eq!(counts, [(Some("a"), 2, 0), (Some("b"), 1, 1)]);
 }

@@ -75,6 +75,13 @@ impl Separator {
         let Self::Byte(byte) = self else {
             return line.split_whitespace().map(str::to_owned).collect();
         };
+        // A reader of CSV takes longer to be made than a line to be parted.
+        if !line.contains('"') {
+            return line
+                .split(char::from(byte))
+                .map(|cell| cell.trim().to_owned())
+                .collect();
+        }
         let mut reader = csv::ReaderBuilder::new()
             .delimiter(byte)
             .has_headers(false)
@@ -119,9 +126,7 @@ fn begins_as_row(cells: &[String]) -> bool {
 fn is_empty_row(cells: &[String], count: usize) -> bool {
     let mut rest = cells.iter().skip(1);
     let is_as_long = cells.len() == count || cells.len() <= 2;
-    is_as_long
-        && begins_as_row(cells)
-        && rest.all(|cell| number(cell).is_some() || is_absent(cell))
+    is_as_long && begins_as_row(cells) && rest.all(|cell| number(cell).is_some() || is_absent(cell))
 }
 
 /// The lines of a text, by the separator with which a row of numbers comes first, and of those the one with
@@ -187,7 +192,10 @@ pub(super) fn lines(text: &str) -> Result<Lines, Fault> {
 
 /// How many lines are of a head that has lines of numbers itself.
 fn numbered_head(all: &[(usize, &str)]) -> usize {
-    if !all.first().is_some_and(|(_, line)| line.starts_with("PathFileType")) {
+    if !all
+        .first()
+        .is_some_and(|(_, line)| line.starts_with("PathFileType"))
+    {
         return 0;
     }
     let columns = all.iter().position(|(_, line)| line.starts_with("Frame#"));
@@ -211,6 +219,7 @@ fn join_decimal_commas(lines: &mut Lines) {
         row.cells = pairs.map(|pair| pair.join(".")).collect();
     }
     lines.notes.push(
-        "numbers have decimal commas, and commas part them: two cells are taken for one number".to_owned(),
+        "numbers have decimal commas, and commas part them: two cells are taken for one number"
+            .to_owned(),
     );
 }

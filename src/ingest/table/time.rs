@@ -100,7 +100,9 @@ pub(super) fn clock(
     let line = rows.first().map_or(0, |row| row.number);
     let (column, stated) = match layout.time {
         TimeColumns::Two(whole, rest) if rate_hz.is_none() => {
-            said.note("times are seconds and the nanoseconds past them, as their columns are named");
+            said.note(
+                "times are seconds and the nanoseconds past them, as their columns are named",
+            );
             return Ok(Clock::Parts { whole, rest });
         }
         TimeColumns::One(column, stated) => (column, unit.or(stated)),
@@ -117,10 +119,17 @@ pub(super) fn clock(
     }
     // A rate that is asked for stamps by the place of the row: what a camera that counts means.
     if let Some(rate_hz) = rate_hz {
-        said.note(format!("rows are {}, whatever their times say", rate_said(rate_hz)));
+        said.note(format!(
+            "rows are {}, whatever their times say",
+            rate_said(rate_hz)
+        ));
         return Ok(Clock::Rows { rate_hz });
     }
-    let cells = || rows.iter().filter_map(|row| row.cells.get(column)).filter(|cell| !is_absent(cell));
+    let cells = || {
+        rows.iter()
+            .filter_map(|row| row.cells.get(column))
+            .filter(|cell| !is_absent(cell))
+    };
     if let Some(first) = cells().next()
         && number(first).is_none()
     {
@@ -176,7 +185,9 @@ fn median_interval(times: &[f64]) -> Option<f64> {
 /// Whether the size of numbers is that of a clock that counts since a date.
 fn epoch_of(unit: Option<TimeUnit>, times: &[f64]) -> Option<&'static Epoch> {
     let first = *times.first()?;
-    let is_it = |epoch: &&Epoch| unit.is_none_or(|unit| unit == epoch.unit) && is_within(first, epoch.sizes);
+    let is_it = |epoch: &&Epoch| {
+        unit.is_none_or(|unit| unit == epoch.unit) && is_within(first, epoch.sizes)
+    };
     EPOCHS.iter().find(is_it)
 }
 
@@ -212,7 +223,10 @@ fn guessed(
     let Some(interval) = median_interval(times) else {
         let other = match others {
             [] => String::new(),
-            others => format!(", another column ({}) in their place of --columns", listed(others)),
+            others => format!(
+                ", another column ({}) in their place of --columns",
+                listed(others)
+            ),
         };
         return fault(
             line,
@@ -247,7 +261,9 @@ fn guessed(
             rate_hz(unit)
         )
     };
-    let usual = UNITS.iter().find(|(unit, _)| is_within(rate_hz(*unit), USUAL_HZ));
+    let usual = UNITS
+        .iter()
+        .find(|(unit, _)| is_within(rate_hz(*unit), USUAL_HZ));
     if let Some((unit, _)) = usual {
         said.note(guess(*unit));
         return Ok((*unit, 0));
@@ -270,7 +286,9 @@ fn guessed(
     };
     said.note(guess(unit));
     if possible != [unit] {
-        let each = possible.iter().map(|unit| format!("{} at {:.1} Hz", unit.name(), rate_hz(*unit)));
+        let each = possible
+            .iter()
+            .map(|unit| format!("{} at {:.1} Hz", unit.name(), rate_hz(*unit)));
         let each: Vec<String> = each.collect();
         let candidates = match each.is_empty() {
             true => "no unit makes a tracker's rate of them".to_owned(),

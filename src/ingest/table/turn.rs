@@ -87,11 +87,13 @@ impl Turn {
     pub(super) fn quaternion(&self, angles_rad: [f64; 3]) -> [f64; 4] {
         let turned = match self.kind {
             Kind::Vector => UnitQuaternion::from_scaled_axis(Vector3::from(angles_rad)),
-            Kind::Axes(axes) => axes.iter().fold(UnitQuaternion::identity(), |turned, axis| {
-                let mut about = Vector3::zeros();
-                about[*axis] = angles_rad[*axis];
-                turned * UnitQuaternion::from_scaled_axis(about)
-            }),
+            Kind::Axes(axes) => axes
+                .iter()
+                .fold(UnitQuaternion::identity(), |turned, axis| {
+                    let mut about = Vector3::zeros();
+                    about[*axis] = angles_rad[*axis];
+                    turned * UnitQuaternion::from_scaled_axis(about)
+                }),
         };
         [turned.i, turned.j, turned.k, turned.w]
     }
@@ -134,13 +136,17 @@ mod tests {
         ] {
             let turn = Turn::named(name).expect("a turn");
             let rows: Vec<f64> = expected.transpose().iter().copied().collect();
-            let of_matrix = quaternion_of_matrix(&rows.try_into().expect("nine")).expect("a rotation");
+            let of_matrix =
+                quaternion_of_matrix(&rows.try_into().expect("nine")).expect("a rotation");
             let found = turn.quaternion(angles);
             let cosine: f64 = found.iter().zip(of_matrix).map(|(a, b)| a * b).sum();
             assert!(1.0 - cosine.abs() < 1e-12, "{name}");
         }
         assert!(Turn::named("euler").is_none());
-        assert_eq!(quaternion_of_matrix(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0]), None);
+        assert_eq!(
+            quaternion_of_matrix(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0]),
+            None
+        );
         assert_eq!(quaternion_of_matrix(&[f64::NAN; 9]), None);
     }
 }

@@ -46,11 +46,27 @@ const OTHERS: [Other; 9] = [
         "a ZIP archive or an Excel workbook",
         "a table: unpack it, or save the sheet as CSV",
     ),
-    other(b"\xd0\xcf\x11\xe0", "an old Excel workbook", "a table: save the sheet as CSV"),
-    other(b"\x89HDF", "HDF5", "a table: write the poses as CSV, for example with pandas' to_csv"),
-    other(b"\x93NUMPY", "an array of NumPy", "a table: write it with numpy.savetxt"),
+    other(
+        b"\xd0\xcf\x11\xe0",
+        "an old Excel workbook",
+        "a table: save the sheet as CSV",
+    ),
+    other(
+        b"\x89HDF",
+        "HDF5",
+        "a table: write the poses as CSV, for example with pandas' to_csv",
+    ),
+    other(
+        b"\x93NUMPY",
+        "an array of NumPy",
+        "a table: write it with numpy.savetxt",
+    ),
     other(b"PAR1", "Parquet", "a table: write it with pandas' to_csv"),
-    other(b"Kaydara FBX", "FBX", "a table: export poses of rigid bodies as CSV with quaternions"),
+    other(
+        b"Kaydara FBX",
+        "FBX",
+        "a table: export poses of rigid bodies as CSV with quaternions",
+    ),
 ];
 
 /// The kind of a file. Fails for what is neither, and says how to get there.

@@ -35,7 +35,11 @@ pub(super) fn topics(
 ) -> anyhow::Result<Vec<Option<String>>> {
     let mut in_order = given.iter().filter(|given| !given.contains('='));
     let names: Vec<&str> = named.iter().map(|(name, _)| *name).collect();
-    let is_given = |name: &str| given.iter().any(|given| given.split_once('=').is_some_and(|(of, _)| of == name));
+    let is_given = |name: &str| {
+        given
+            .iter()
+            .any(|given| given.split_once('=').is_some_and(|(of, _)| of == name))
+    };
     let has_order = in_order.clone().next().is_some();
     let is_one = |name: &&str| scene.is_some_and(|scene| is_given(name) || names_body(name, scene));
     // Where some are of the scene, the others are not wanted.
@@ -75,7 +79,10 @@ pub(super) fn topics(
         named.is_some_and(|name| !names.contains(&name))
     });
     if let Some(unknown) = unknown.or(in_order.next()) {
-        bail!("--topic {unknown}: the files have {}, expected one of them", listed(&names));
+        bail!(
+            "--topic {unknown}: the files have {}, expected one of them",
+            listed(&names)
+        );
     }
     Ok(topics)
 }
@@ -93,7 +100,10 @@ pub(super) fn listed(names: &[&str]) -> String {
 
 /// Whether a body of the scene has this name.
 fn names_body(name: &str, scene: &Scene) -> bool {
-    let mut bodies = scene.tracks.keys().map(|track| scene.link_seen_by(track).name.as_str());
+    let mut bodies = scene
+        .tracks
+        .keys()
+        .map(|track| scene.link_seen_by(track).name.as_str());
     bodies.any(|body| same(body, name))
 }
 

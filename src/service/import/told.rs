@@ -86,7 +86,11 @@ impl Gravity {
     }
 
     fn tilt_rad(&self, acceleration: &Vector3<f64>) -> f64 {
-        acceleration.normalize().dot(&self.down).clamp(-1.0, 1.0).acos()
+        acceleration
+            .normalize()
+            .dot(&self.down)
+            .clamp(-1.0, 1.0)
+            .acos()
     }
 }
 
@@ -94,7 +98,9 @@ impl Gravity {
 pub(super) fn told(named: &Named, samples: &[&PoseSample], scene: Option<&Scene>) -> Told {
     let mut told = Told::default();
     let name = &named.name;
-    let of_name = |lines: &[String]| -> Vec<String> { lines.iter().map(|line| format!("{name}: {line}")).collect() };
+    let of_name = |lines: &[String]| -> Vec<String> {
+        lines.iter().map(|line| format!("{name}: {line}")).collect()
+    };
     told.against.extend(of_name(&named.body.against));
     told.notes.extend(of_name(&named.body.notes));
     rate(samples, &mut told);
@@ -173,10 +179,15 @@ fn fall(named: &Named, flight: &Flight, gravity: &Gravity, told: &mut Told) {
     let down = fall.acceleration.normalize();
     let size = fall.acceleration.norm();
     let samples = fall.samples.len();
-    let flight = format!("{name}: a flight of {samples} samples from {:.3} s", flight.begin_s);
+    let flight = format!(
+        "{name}: a flight of {samples} samples from {:.3} s",
+        flight.begin_s
+    );
     if unit != named.table.length && samples >= AGAINST_SAMPLES {
         let tempo = match gravity.is_tempo_possible {
-            true => "; where the motion was acted slower than it is, this tells nothing: say --scene, or the unit",
+            true => {
+                "; where the motion was acted slower than it is, this tells nothing: say --scene, or the unit"
+            }
             false => "",
         };
         told.against.push(format!(
@@ -201,10 +212,13 @@ fn fall(named: &Named, flight: &Flight, gravity: &Gravity, told: &mut Told) {
     let along = down[axis].abs().clamp(0.0, 1.0).acos();
     let letter = ["x", "y", "z"][axis];
     let sign = if down[axis] < 0.0 { "−" } else { "+" };
-    let right = AXES.iter().filter_map(|name| Preset::named(name)).find(|other| {
-        let own = preset.undone(down.into());
-        Vector3::from(other.vector(own)).dot(&gravity.down) > TILT_RAD.cos()
-    });
+    let right = AXES
+        .iter()
+        .filter_map(|name| Preset::named(name))
+        .find(|other| {
+            let own = preset.undone(down.into());
+            Vector3::from(other.vector(own)).dot(&gravity.down) > TILT_RAD.cos()
+        });
     match right.filter(|_| along <= TILT_RAD && samples >= AGAINST_SAMPLES) {
         Some(right) => told.against.push(format!(
             "{flight} falls along {sign}{letter} as read with {}; its world is {}: expected --from {}",
@@ -224,7 +238,9 @@ fn held(name: &str, samples: &[&PoseSample], told: &mut Told) {
     if held.count == 0 {
         return;
     }
-    let from_s = samples[held.longest_from].stamp.seconds_since(samples[0].stamp);
+    let from_s = samples[held.longest_from]
+        .stamp
+        .seconds_since(samples[0].stamp);
     let said = format!(
         "{name}: {} of {} poses are exactly the one before, up to {} in a row (from {from_s:.3} s)",
         held.count,

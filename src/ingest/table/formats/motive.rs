@@ -50,12 +50,22 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
     let (parts, axes) = (&head[axes - 1], &head[axes]);
     let (all, others) = found(&head[kinds], head.get(kinds + 1), parts, axes);
     let turn = angles_of(said("Rotation Type"), first, &all)?;
-    let bodies: Vec<&str> = all.iter().filter(|of| of.kind != POINTS).map(|of| of.name.as_str()).collect();
+    let bodies: Vec<&str> = all
+        .iter()
+        .filter(|of| of.kind != POINTS)
+        .map(|of| of.name.as_str())
+        .collect();
     // Markers of a body are named after it, and say no more than it does.
     let is_of_body = |of: &Body| {
-        of.kind == POINTS && bodies.iter().any(|body| of.name.strip_prefix(body).is_some_and(|rest| rest.starts_with([':', '_'])))
+        of.kind == POINTS
+            && bodies.iter().any(|body| {
+                of.name
+                    .strip_prefix(body)
+                    .is_some_and(|rest| rest.starts_with([':', '_']))
+            })
     };
-    let is_unnamed = |of: &Body| of.kind == POINTS && (of.name.is_empty() || of.name.starts_with(UNLABELED));
+    let is_unnamed =
+        |of: &Body| of.kind == POINTS && (of.name.is_empty() || of.name.starts_with(UNLABELED));
     let mut left = others;
     let mut columns = Vec::new();
     let mut unlabeled = 0;
@@ -69,13 +79,19 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
         }
     }
     let mut notes: Vec<String> = Vec::new();
-    if columns.is_empty() || columns.iter().all(|of| of.orientation == Orientation::Unseen) {
+    if columns.is_empty()
+        || columns
+            .iter()
+            .all(|of| of.orientation == Orientation::Unseen)
+    {
         notes.push(points_are_taken("markers, no rigid bodies"));
     }
     if columns.is_empty() {
         return fault(
             axes.number,
-            format!("nothing but {unlabeled} unlabeled markers, expected rigid bodies or labeled markers: label them, and export again"),
+            format!(
+                "nothing but {unlabeled} unlabeled markers, expected rigid bodies or labeled markers: label them, and export again"
+            ),
         );
     }
     if unlabeled > 0 {
@@ -119,7 +135,10 @@ fn found(kinds: &Line, names: Option<&Line>, parts: &Line, axes: &Line) -> (Vec<
             continue;
         }
         let name = names.map_or(String::new(), |line| cell(line, column));
-        if all.last().is_none_or(|last| last.name != name || last.kind != kind) {
+        if all
+            .last()
+            .is_none_or(|last| last.name != name || last.kind != kind)
+        {
             all.push(Body {
                 kind,
                 name,
@@ -142,7 +161,11 @@ fn found(kinds: &Line, names: Option<&Line>, parts: &Line, axes: &Line) -> (Vec<
 }
 
 /// What the angles of its rotations mean; `None` for quaternions.
-fn angles_of(named: Option<&str>, line: &Line, all: &[Body]) -> Result<Option<&'static Turn>, Fault> {
+fn angles_of(
+    named: Option<&str>,
+    line: &Line,
+    all: &[Body],
+) -> Result<Option<&'static Turn>, Fault> {
     let has_poses = all.iter().any(|of| of.kind != POINTS);
     let Some(named) = named.filter(|named| has_poses && *named != "Quaternion") else {
         return Ok(None);
@@ -152,15 +175,23 @@ fn angles_of(named: Option<&str>, line: &Line, all: &[Body]) -> Result<Option<&'
         Some(turn) => Ok(Some(turn)),
         None => fault(
             line.number,
-            format!("Rotation Type is {named}, expected Quaternion or XYZ: export it again with that rotation type"),
+            format!(
+                "Rotation Type is {named}, expected Quaternion or XYZ: export it again with that rotation type"
+            ),
         ),
     }
 }
 
-fn body_columns(body: &Body, turn: Option<&'static Turn>, line: usize) -> Result<BodyColumns, Fault> {
+fn body_columns(
+    body: &Body,
+    turn: Option<&'static Turn>,
+    line: usize,
+) -> Result<BodyColumns, Fault> {
     let name = Some(body.name.clone());
     let (position, orientation) = match (body.position, body.rotation, turn) {
-        ([Some(x), Some(y), Some(z)], ..) if body.kind == POINTS => ([x, y, z], Orientation::Unseen),
+        ([Some(x), Some(y), Some(z)], ..) if body.kind == POINTS => {
+            ([x, y, z], Orientation::Unseen)
+        }
         ([Some(x), Some(y), Some(z)], [Some(a), Some(b), Some(c), Some(d)], None) => {
             ([x, y, z], Orientation::Quaternion([a, b, c, d]))
         }
@@ -168,7 +199,14 @@ fn body_columns(body: &Body, turn: Option<&'static Turn>, line: usize) -> Result
             let columns = [a, b, c];
             let unit = Some(AngleUnit::Degree);
             let turn = Some(turn);
-            ([x, y, z], Orientation::Angles(Angles { columns, unit, turn }))
+            (
+                [x, y, z],
+                Orientation::Angles(Angles {
+                    columns,
+                    unit,
+                    turn,
+                }),
+            )
         }
         _ => {
             return fault(
@@ -197,7 +235,9 @@ fn length(named: Option<&str>, line: &Line) -> Result<Option<crate::motion::Leng
         Some(unit) => Ok(Some(unit)),
         None => fault(
             line.number,
-            format!("Length Units is {named}, expected Meters, Centimeters or Millimeters: export it again with one of them"),
+            format!(
+                "Length Units is {named}, expected Meters, Centimeters or Millimeters: export it again with one of them"
+            ),
         ),
     }
 }

@@ -29,7 +29,9 @@ fn qualisys(lines: &Lines) -> Result<Layout, Fault> {
     });
     let named_line = lines.head.iter().rfind(|line| is_named(line));
     // Frame and time are columns only where the export was asked for them.
-    let named = named_line.map(|line| line.cells.as_slice()).unwrap_or_default();
+    let named = named_line
+        .map(|line| line.cells.as_slice())
+        .unwrap_or_default();
     let listed = match kind {
         "6D" => line_of("BODY_NAMES"),
         "3D" => line_of("MARKER_NAMES"),
@@ -38,7 +40,9 @@ fn qualisys(lines: &Lines) -> Result<Layout, Fault> {
     let Some(listed) = listed else {
         return fault(
             lines.head[0].number,
-            format!("data of kind {kind} and no names of bodies or markers, expected 6D or 3D with its head: export it again"),
+            format!(
+                "data of kind {kind} and no names of bodies or markers, expected 6D or 3D with its head: export it again"
+            ),
         );
     };
     let (has_frame, has_time) = match named_line {
@@ -49,7 +53,9 @@ fn qualisys(lines: &Lines) -> Result<Layout, Fault> {
         None => beside(lines.rows[0].filled(), listed.cells.len() - 1, kind),
     };
     let first = usize::from(has_frame) + usize::from(has_time);
-    let rate_hz = said("FREQUENCY").and_then(number).filter(|rate| *rate > 0.0);
+    let rate_hz = said("FREQUENCY")
+        .and_then(number)
+        .filter(|rate| *rate > 0.0);
     let time = match (has_frame, has_time, rate_hz) {
         (true, _, Some(_)) => TimeColumns::One(0, Some(TimeUnit::Frame)),
         (_, true, _) => TimeColumns::One(usize::from(has_frame), Some(TimeUnit::Second)),
@@ -64,7 +70,9 @@ fn qualisys(lines: &Lines) -> Result<Layout, Fault> {
     };
     let mut notes = Vec::new();
     if kind == "6D" {
-        notes.push("orientations are read from the matrix Rot[0] to Rot[8], column by column".to_owned());
+        notes.push(
+            "orientations are read from the matrix Rot[0] to Rot[8], column by column".to_owned(),
+        );
     } else {
         notes.push(points_are_taken("markers, no bodies (export 6D for those)"));
     }
@@ -84,7 +92,14 @@ fn qualisys(lines: &Lines) -> Result<Layout, Fault> {
         is_order_named: true,
         is_ragged: true,
         is_zero_unseen: true,
-        notes: if bodies.iter().any(|of| matches!(of.orientation, Orientation::Angles(_))) { Vec::new() } else { notes },
+        notes: if bodies
+            .iter()
+            .any(|of| matches!(of.orientation, Orientation::Angles(_)))
+        {
+            Vec::new()
+        } else {
+            notes
+        },
         marks: marks.collect(),
         ..Layout::plain(format!("Qualisys {kind}"), time, bodies)
     })
@@ -92,7 +107,8 @@ fn qualisys(lines: &Lines) -> Result<Layout, Fault> {
 
 /// Whether a line names the columns of coordinates.
 fn is_named(line: &Line) -> bool {
-    let is_axis = |cell: &String| cell == "X" || cell.ends_with(" X") || cell == "Y" || cell.ends_with(" Y");
+    let is_axis =
+        |cell: &String| cell == "X" || cell.ends_with(" X") || cell == "Y" || cell.ends_with(" Y");
     line.cells.iter().filter(|cell| is_axis(cell)).count() >= 2
 }
 
@@ -106,7 +122,11 @@ fn beside(columns: usize, bodies: usize, kind: &str) -> (bool, bool) {
     }
 }
 
-fn markers<'n>(names: impl Iterator<Item = &'n String>, first: usize, cells: usize) -> Vec<BodyColumns> {
+fn markers<'n>(
+    names: impl Iterator<Item = &'n String>,
+    first: usize,
+    cells: usize,
+) -> Vec<BodyColumns> {
     let marker = |(index, name): (usize, &String)| {
         let at = first + 3 * index;
         BodyColumns {
@@ -132,7 +152,9 @@ fn bodies(
     row: &Line,
 ) -> Result<(Vec<BodyColumns>, Vec<String>), Fault> {
     let begins: Vec<usize> = match named {
-        [] => (0..names.len()).map(|index| first + BODY_COLUMNS * index).collect(),
+        [] => (0..names.len())
+            .map(|index| first + BODY_COLUMNS * index)
+            .collect(),
         named => {
             let is_first = |at: &usize| named[*at] == "X" || named[*at].ends_with(" X");
             (0..named.len()).filter(is_first).collect()
@@ -141,13 +163,21 @@ fn bodies(
     if begins.len() != names.len() {
         return fault(
             row.number,
-            format!("{} names of bodies and the columns of {}, expected as many: export it again", names.len(), begins.len()),
+            format!(
+                "{} names of bodies and the columns of {}, expected as many: export it again",
+                names.len(),
+                begins.len()
+            ),
         );
     }
     let mut bodies = Vec::new();
     for (index, begin) in begins.iter().enumerate() {
-        let end = begins.get(index + 1).copied().unwrap_or(row.cells.len().max(named.len()));
-        let find = |name: &str| (*begin..end).find(|at| named.get(*at).is_some_and(|of| of == name));
+        let end = begins
+            .get(index + 1)
+            .copied()
+            .unwrap_or(row.cells.len().max(named.len()));
+        let find =
+            |name: &str| (*begin..end).find(|at| named.get(*at).is_some_and(|of| of == name));
         let matrix = match named {
             [] => Some(begin + MATRIX_AT),
             _ => find("Rot[0]"),
@@ -159,7 +189,9 @@ fn bodies(
         let turn = [find("Roll"), find("Pitch"), find("Yaw")];
         let orientation = match (matrix.filter(|at| at + 9 <= end), turn) {
             // Written column by column.
-            (Some(at), _) => Orientation::Matrix(std::array::from_fn(|of| at + 3 * (of % 3) + of / 3)),
+            (Some(at), _) => {
+                Orientation::Matrix(std::array::from_fn(|of| at + 3 * (of % 3) + of / 3))
+            }
             (None, [Some(x), Some(y), Some(z)]) => Orientation::Angles(Angles {
                 columns: [x, y, z],
                 unit: Some(AngleUnit::Degree),
@@ -168,7 +200,10 @@ fn bodies(
             _ => {
                 return fault(
                     row.number,
-                    format!("{:?} has neither Rot[0] to Rot[8] nor Roll, Pitch and Yaw, expected them: export it again", names[index]),
+                    format!(
+                        "{:?} has neither Rot[0] to Rot[8] nor Roll, Pitch and Yaw, expected them: export it again",
+                        names[index]
+                    ),
                 );
             }
         };

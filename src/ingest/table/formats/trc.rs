@@ -14,8 +14,14 @@ pub(super) fn layout(lines: &Lines) -> Option<Result<(Layout, usize), Fault>> {
 
 /// A line of its kind, one of keys, one of values, one of names above the first of three columns each, one of axes.
 fn trc(lines: &Lines) -> Result<Layout, Fault> {
-    let keys = lines.head.iter().position(|line| line.cells[0] == "DataRate");
-    let names = lines.head.iter().find(|line| line.cells[0].starts_with("Frame#"));
+    let keys = lines
+        .head
+        .iter()
+        .position(|line| line.cells[0] == "DataRate");
+    let names = lines
+        .head
+        .iter()
+        .find(|line| line.cells[0].starts_with("Frame#"));
     let values = keys.and_then(|keys| lines.head.get(keys + 1));
     let (Some(keys), Some(values), Some(names)) = (keys, values, names) else {
         return fault(
@@ -31,7 +37,14 @@ fn trc(lines: &Lines) -> Result<Layout, Fault> {
         None => None,
         Some(named) => match length_unit(&named.to_lowercase()) {
             Some(unit) => Some(unit),
-            None => return fault(values.number, format!("Units are {named}, expected m, cm or mm: export it again with one of them")),
+            None => {
+                return fault(
+                    values.number,
+                    format!(
+                        "Units are {named}, expected m, cm or mm: export it again with one of them"
+                    ),
+                );
+            }
         },
     };
     let marker = |(place, name): (usize, &String)| {
@@ -46,11 +59,16 @@ fn trc(lines: &Lines) -> Result<Layout, Fault> {
     let named = names.cells.iter().skip(2).filter(|name| !name.is_empty());
     let bodies: Vec<BodyColumns> = named.enumerate().map(marker).collect();
     if bodies.is_empty() {
-        return fault(names.number, "no names of markers after Frame#, Time, expected some: export it again with markers");
+        return fault(
+            names.number,
+            "no names of markers after Frame#, Time, expected some: export it again with markers",
+        );
     }
     Ok(Layout {
         length,
-        rate_hz: said("DataRate").and_then(|cell| number(cell)).filter(|rate| *rate > 0.0),
+        rate_hz: said("DataRate")
+            .and_then(|cell| number(cell))
+            .filter(|rate| *rate > 0.0),
         preset: Some("trc"),
         notes: vec![points_are_taken("markers, no rigid bodies")],
         is_ragged: true,

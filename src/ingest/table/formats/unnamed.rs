@@ -55,7 +55,10 @@ fn quaternions(
             QuaternionOrder::Wxyz,
             "EuRoC has them, with commas and nanoseconds too",
         ),
-        None if is_tum => (QuaternionOrder::Xyzw, "TUM has them, with 8 columns and blanks too"),
+        None if is_tum => (
+            QuaternionOrder::Xyzw,
+            "TUM has them, with 8 columns and blanks too",
+        ),
         None => {
             against.push(
                 "nothing tells the order of quaternions in columns without names, neither blanks (TUM) nor commas with \
@@ -82,7 +85,9 @@ fn quaternions(
         seen: Vec::new(),
     };
     Ok(Layout {
-        unread: (9..=count).map(|column| format!("column {column}")).collect(),
+        unread: (9..=count)
+            .map(|column| format!("column {column}"))
+            .collect(),
         notes: vec![format!(
             "columns have no names: taken as t, x, y, z, {named}, as {why} (--columns for others)"
         )],
@@ -113,7 +118,8 @@ fn matrices(lines: &Lines, count: usize) -> Option<Layout> {
     // Of a square one, the last row or the last column is 0, 0, 0, 1.
     let is_by_columns = is_square && {
         let all = blocks::<16>(lines, from);
-        let is_last = |of: &[f64; 16]| of[3] == 0.0 && of[7] == 0.0 && of[11] == 0.0 && of[15] == 1.0;
+        let is_last =
+            |of: &[f64; 16]| of[3] == 0.0 && of[7] == 0.0 && of[11] == 0.0 && of[15] == 1.0;
         let is_position = all.iter().any(|of| of[12..15].iter().any(|of| *of != 0.0));
         !all.is_empty() && all.iter().all(is_last) && is_position
     };
@@ -147,7 +153,11 @@ fn matrices(lines: &Lines, count: usize) -> Option<Layout> {
         (true, false) => ("4×4", "row by row"),
         (false, _) => ("3×4", "row by row"),
     };
-    let kind = if from == 0 && !is_square { "KITTI" } else { "matrices" };
+    let kind = if from == 0 && !is_square {
+        "KITTI"
+    } else {
+        "matrices"
+    };
     Some(Layout {
         notes: vec![
             format!("columns have no names: taken as a {shape} matrix {by}, whose first three columns are a rotation"),
@@ -171,7 +181,9 @@ fn echoed(lines: &Lines) -> Option<Layout> {
         return None;
     }
     let first = (2..row.cells.len()).find(|column| at(*column).is_some())?;
-    let numbers = row.cells[first..].iter().take_while(|cell| number(cell).is_some() || is_absent(cell));
+    let numbers = row.cells[first..]
+        .iter()
+        .take_while(|cell| number(cell).is_some() || is_absent(cell));
     let count = numbers.filter(|cell| !cell.is_empty()).count();
     let is_pose = count >= 7;
     if first > 4 || !(is_pose || count == 3) {
@@ -192,7 +204,8 @@ fn echoed(lines: &Lines) -> Option<Layout> {
         orientation,
         seen: Vec::new(),
     };
-    let unread = (first + if is_pose { 7 } else { 3 }..row.filled()).map(|column| format!("column {}", column + 1));
+    let unread = (first + if is_pose { 7 } else { 3 }..row.filled())
+        .map(|column| format!("column {}", column + 1));
     let frames = &row.cells[2..first];
     Some(Layout {
         unread: unread.collect(),

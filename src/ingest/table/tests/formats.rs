@@ -26,7 +26,9 @@ fn joined(numbers: impl IntoIterator<Item = f64>, separator: &str) -> String {
 /// Entries of a matrix row by row, with the position in its fourth column.
 fn pose_rows() -> Vec<f64> {
     let (m, p) = (matrix(), [1.0, 2.0, 3.0]);
-    (0..3).flat_map(|row| [m[(row, 0)], m[(row, 1)], m[(row, 2)], p[row]]).collect()
+    (0..3)
+        .flat_map(|row| [m[(row, 0)], m[(row, 1)], m[(row, 2)], p[row]])
+        .collect()
 }
 
 /// The samples of the first body, whose first time is half a second.
@@ -60,7 +62,10 @@ fn qualisys_6d() -> String {
     let nothing = format!("{zeros}\t-1\t{}", joined([0.0; 9], "\t"));
     let names = |name: &str| {
         let entries: Vec<String> = (0..9).map(|at| format!("Rot[{at}]")).collect();
-        format!("{name} X\tY\tZ\tRoll\tPitch\tYaw\tResidual\t{}", entries.join("\t"))
+        format!(
+            "{name} X\tY\tZ\tRoll\tPitch\tYaw\tResidual\t{}",
+            entries.join("\t")
+        )
     };
     format!(
         "NO_OF_FRAMES\t2\nNO_OF_CAMERAS\t4\nNO_OF_BODIES\t2\nFREQUENCY\t100\nDESCRIPTION\t--\n\
@@ -77,14 +82,24 @@ fn bodies_of_qualisys_are_read_by_their_matrices_with_events_as_marks() {
     let table = plainly(&text);
     assert_eq!(table.kind, "Qualisys 6D, tabs");
     assert_has_the_pose(&table, &text);
-    let names: Vec<_> = table.bodies.iter().map(|of| of.name.as_deref().unwrap()).collect();
+    let names: Vec<_> = table
+        .bodies
+        .iter()
+        .map(|of| of.name.as_deref().unwrap())
+        .collect();
     assert_eq!(names, ["Cup", "Hand"]);
     let hand = &table.bodies[1];
     assert_eq!((hand.samples.len(), hand.unseen.count()), (1, 1));
     assert_eq!(table.marks.len(), 1);
-    assert_eq!((table.marks[0].0.as_str(), table.marks[0].1.0), ("bounce", 520_000_000));
+    assert_eq!(
+        (table.marks[0].0.as_str(), table.marks[0].1.0),
+        ("bounce", 520_000_000)
+    );
     // Without the line of names there are as many columns.
-    let nameless: Vec<&str> = text.lines().filter(|line| !line.starts_with("Frame")).collect();
+    let nameless: Vec<&str> = text
+        .lines()
+        .filter(|line| !line.starts_with("Frame"))
+        .collect();
     assert_has_the_pose(&plainly(&(nameless.join("\n") + "\n")), "nameless");
     // Without a matrix, angles are in degrees, and roll, pitch, yaw as Qualisys has them.
     let angles: Vec<String> = text
@@ -92,7 +107,11 @@ fn bodies_of_qualisys_are_read_by_their_matrices_with_events_as_marks() {
         .map(|line| {
             let cells: Vec<&str> = line.split('\t').collect();
             let is_row = cells.len() > 20;
-            if is_row { cells[..9].join("\t") + "\t" } else { line.replace("\tHand", "") }
+            if is_row {
+                cells[..9].join("\t") + "\t"
+            } else {
+                line.replace("\tHand", "")
+            }
         })
         .collect();
     assert_has_the_pose(&plainly(&(angles.join("\n") + "\n")), "angles");
@@ -103,21 +122,43 @@ fn markers_of_qualisys_and_trc_are_points_and_zeros_are_none() {
     let qualisys = "NO_OF_FRAMES\t3\nFREQUENCY\t100\nDATA_INCLUDED\t3D\nMARKER_NAMES\tCap\t\nFrame\tTime\tCap X\tCap Y\tCap Z\t X\t Y\t Z\t\n\
                     1\t0.0\t0.000\t0.000\t0.000\t1\t1\t1\t\n2\t0.01\t1000\t2000\t3000\t1\t1\t1\t\n3\t0.02\t1000\t2000\t3000\t0.000\t0.000\t0.000\t\n";
     let table = plainly(qualisys);
-    let counts: Vec<_> = table.bodies.iter().map(|of| (of.name.as_deref().unwrap(), of.samples.len(), of.unseen.count())).collect();
+    let counts: Vec<_> = table
+        .bodies
+        .iter()
+        .map(|of| {
+            (
+                of.name.as_deref().unwrap(),
+                of.samples.len(),
+                of.unseen.count(),
+            )
+        })
+        .collect();
     assert_eq!(counts, [("Cap", 2, 1), ("unlabeled 2", 2, 1)]);
     let sample = &table.bodies[0].samples[0];
-    assert_eq!((sample.holds, sample.stamp.0), (Holds::Position, 20_000_000));
+    assert_eq!(
+        (sample.holds, sample.stamp.0),
+        (Holds::Position, 20_000_000)
+    );
     assert!((sample.position_m - Vector3::new(1.0, 2.0, 3.0)).norm() < 1e-12);
     let trc = "PathFileType\t4\t(X/Y/Z)\ttoss.trc\nDataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames\n\
                100.00\t100.00\t2\t2\tmm\t100.00\t1\t2\nFrame#\tTime\tCap\t\t\tRim\t\t\t\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\t\n\n\
                1\t0.500\t1000\t3000\t-2000\t\t\t\t\n2\t0.510\t1000\t3000\t-2000\t4\t5\t6\t\n";
     let table = plainly(trc);
-    assert_eq!((table.kind.as_str(), table.preset.name), ("TRC, tabs", "trc"));
+    assert_eq!(
+        (table.kind.as_str(), table.preset.name),
+        ("TRC, tabs", "trc")
+    );
     let [cap, rim] = &table.bodies[..] else {
         panic!("{table:?}");
     };
-    assert_eq!((cap.name.as_deref(), rim.name.as_deref()), (Some("Cap"), Some("Rim")));
-    assert_eq!((cap.samples.len(), rim.samples.len(), rim.unseen.count()), (2, 1, 1));
+    assert_eq!(
+        (cap.name.as_deref(), rim.name.as_deref()),
+        (Some("Cap"), Some("Rim"))
+    );
+    assert_eq!(
+        (cap.samples.len(), rim.samples.len(), rim.unseen.count()),
+        (2, 1, 1)
+    );
     assert_eq!(cap.samples[0].stamp.0, 500_000_000);
     assert!((cap.samples[0].position_m - Vector3::new(1.0, 2.0, 3.0)).norm() < 1e-12);
 }
@@ -136,7 +177,10 @@ fn rows_of_matrices_are_read_with_and_without_times() {
         (format!("{whole}\n{whole}\n"), with_rate(100.0)),
         (format!("{by_columns}\n{by_columns}\n"), with_rate(100.0)),
         (format!("0.5 {row}\n0.51 {row}\n"), TableOptions::default()),
-        (format!("0.5 {by_columns}\n0.51 {by_columns}\n"), TableOptions::default()),
+        (
+            format!("0.5 {by_columns}\n0.51 {by_columns}\n"),
+            TableOptions::default(),
+        ),
     ] {
         let table = read(&text, &options).unwrap_or_else(|error| panic!("{text}{error}"));
         assert_has_the_pose(&table, &text);
@@ -149,14 +193,18 @@ fn rows_of_matrices_are_read_with_and_without_times() {
     assert!(error.contains("12 columns without names"), "{error}");
     // By names, counted from 0 and from 1.
     for base in [0, 1] {
-        let names: Vec<String> = (0..12).map(|at| format!("m{}{}", base + at / 4, base + at % 4)).collect();
+        let names: Vec<String> = (0..12)
+            .map(|at| format!("m{}{}", base + at / 4, base + at % 4))
+            .collect();
         let row = joined(pose_rows(), ",");
         let text = format!("t,{}\n0.5,{row}\n0.51,{row}\n", names.join(","));
         assert_has_the_pose(&plainly(&text), &text);
     }
     let m = matrix();
     let entries = joined((0..9).map(|at| m[(at / 3, at % 3)]), ",");
-    let text = format!("t,x,y,z,R11,R12,R13,R21,R22,R23,R31,R32,R33\n0.5,1,2,3,{entries}\n0.51,1,2,3,{entries}\n");
+    let text = format!(
+        "t,x,y,z,R11,R12,R13,R21,R22,R23,R31,R32,R33\n0.5,1,2,3,{entries}\n0.51,1,2,3,{entries}\n"
+    );
     assert_has_the_pose(&plainly(&text), &text);
 }
 
@@ -166,12 +214,13 @@ fn columns_of_ros_are_read_in_all_their_forms() {
     for text in [
         format!("#sec,nsec,x,y,z,qx,qy,qz,qw\n7,500000000,{pose}\n7,510000000,{pose}\n"),
         format!("1767607200,500000000,world,{pose}\n1767607200,510000000,world,{pose}\n"),
-        format!("1767607200,500000000,world,cup,{pose},0,0,0\n1767607200,510000000,world,cup,{pose},0,0,0\n"),
         format!(
-            "rosbagTimestamp,header,seq,stamp,secs,nsecs,frame_id,pose,position,x,y,z,orientation,x,y,z,w\n\
+            "1767607200,500000000,world,cup,{pose},0,0,0\n1767607200,510000000,world,cup,{pose},0,0,0\n"
+        ),
+        "rosbagTimestamp,header,seq,stamp,secs,nsecs,frame_id,pose,position,x,y,z,orientation,x,y,z,w\n\
              1767607209000000000,,0,,7,500000000,\"world\",,,1,2,3,,0.1,0.5,-0.7,0.5\n\
              1767607209200000000,,1,,7,510000000,\"world\",,,1,2,3,,0.1,0.5,-0.7,0.5\n"
-        ),
+            .to_owned(),
         format!(
             "__time,/cup/pose/position/x,/cup/pose/position/y,/cup/pose/position/z,/cup/pose/orientation/x,\
              /cup/pose/orientation/y,/cup/pose/orientation/z,/cup/pose/orientation/w\n7.5,{pose}\n7.51,{pose}\n"
@@ -193,7 +242,9 @@ fn quaternions_are_known_by_many_names() {
         "quat_x,quat_y,quat_z,quat_w",
         "quat_i,quat_j,quat_k,quat_r",
     ] {
-        let text = format!("t,px,py,pz,{names}\n0.5,1,2,3,0.1,0.5,-0.7,0.5\n0.51,1,2,3,0.1,0.5,-0.7,0.5\n");
+        let text = format!(
+            "t,px,py,pz,{names}\n0.5,1,2,3,0.1,0.5,-0.7,0.5\n0.51,1,2,3,0.1,0.5,-0.7,0.5\n"
+        );
         assert_has_the_pose(&plainly(&text), &text);
     }
     // Two of each letter: those beside the w are its.
@@ -203,8 +254,19 @@ fn quaternions_are_known_by_many_names() {
     assert!(error.contains("which x, y, z belong to w"), "{error}");
     let text = "Time,X,Y,Z,x,y,z,w\n0.5,1,2,3,0.1,0.5,-0.7,0.5\n0.51,1,2,3,0.1,0.5,-0.7,0.5\n";
     assert_has_the_pose(&plainly(text), text);
+    // As pandas writes names that come again.
+    let text = "t,x,y,z,x.1,y.1,z.1,w\n0.5,1,2,3,0.1,0.5,-0.7,0.5\n0.51,1,2,3,0.1,0.5,-0.7,0.5\n";
+    assert_has_the_pose(&plainly(text), text);
+    let error = refused("stamp,a0,a1,a2,a3,a4,a5\n0,1,2,3,0,0,0\n", &none);
+    assert!(
+        error.contains("names of columns that are not known: stamp, a0"),
+        "{error}"
+    );
     let error = refused("t,W,X,Y,Z\n0,1,0,0,0\n0.01,1,0,0,0\n", &none);
-    assert!(error.contains("no columns for a position") && error.contains("taken for a quaternion"), "{error}");
+    assert!(
+        error.contains("no columns for a position") && error.contains("taken for a quaternion"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -212,7 +274,8 @@ fn angles_are_roll_pitch_yaw_by_name_or_what_is_said() {
     let angles = roll_pitch_yaw();
     let rad = joined(angles, ",");
     let deg = joined(angles.map(f64::to_degrees), ",");
-    let text = |names: &str, row: &str| format!("t,x,y,z,{names}\n0.5,1,2,3,{row}\n0.51,1,2,3,{row}\n");
+    let text =
+        |names: &str, row: &str| format!("t,x,y,z,{names}\n0.5,1,2,3,{row}\n0.51,1,2,3,{row}\n");
     for text in [
         text("roll [rad],pitch [rad],yaw [rad]", &rad),
         text("roll_deg,pitch_deg,yaw_deg", &deg),
@@ -221,19 +284,33 @@ fn angles_are_roll_pitch_yaw_by_name_or_what_is_said() {
     ] {
         let table = plainly(&text);
         assert_has_the_pose(&table, &text);
-        assert!(table.notes.iter().any(|of| of.contains("angles are rpy")), "{:?}", table.notes);
+        assert!(
+            table.notes.iter().any(|of| of.contains("angles are rpy")),
+            "{:?}",
+            table.notes
+        );
         assert_eq!(table.against, [""; 0], "{text}");
     }
     let unnamed = text("rx,ry,rz", &deg);
     let error = refused(&unnamed, &TableOptions::default());
-    assert!(error.contains("expected --rotation") && error.contains("rpy"), "{error}");
+    assert!(
+        error.contains("expected --rotation") && error.contains("rpy"),
+        "{error}"
+    );
     let options = TableOptions {
         turn: Turn::named("rpy"),
         ..TableOptions::default()
     };
     let table = read(&unnamed, &options).unwrap();
     assert_has_the_pose(&table, &unnamed);
-    assert!(table.notes.iter().any(|of| of.starts_with("angles are in deg")), "{:?}", table.notes);
+    assert!(
+        table
+            .notes
+            .iter()
+            .any(|of| of.starts_with("angles are in deg")),
+        "{:?}",
+        table.notes
+    );
 }
 
 #[test]
@@ -251,10 +328,16 @@ fn motives_angles_bones_and_markers_are_side_by_side() {
     let (c, cn) = head("Marker", "Cup:Marker1", 3);
     let (d, dn) = head("Marker", "Ball", 3);
     let (e, en) = head("Marker", "Unlabeled 17", 3);
-    let turn = ["Rotation", "Rotation", "Rotation", "Position", "Position", "Position"].join(",");
+    let turn = [
+        "Rotation", "Rotation", "Rotation", "Position", "Position", "Position",
+    ]
+    .join(",");
     let point = ["Position"; 3].join(",");
     let row = |frame: usize| {
-        format!("{frame},{:.3},{angles},1,2,3,{angles},1,2,3,9,9,9,4,5,6,7,7,7", 0.5 + 0.01 * frame as f64)
+        format!(
+            "{frame},{:.3},{angles},1,2,3,{angles},1,2,3,9,9,9,4,5,6,7,7,7",
+            0.5 + 0.01 * frame as f64
+        )
     };
     let text = format!(
         "Format Version,1.23,Rotation Type,XYZ,Length Units,Meters,Coordinate Space,Global\n\n\
@@ -269,10 +352,21 @@ fn motives_angles_bones_and_markers_are_side_by_side() {
     };
     let table = read(&text, &options).unwrap();
     assert_has_the_pose(&table, &text);
-    let names: Vec<_> = table.bodies.iter().map(|of| of.name.as_deref().unwrap()).collect();
+    let names: Vec<_> = table
+        .bodies
+        .iter()
+        .map(|of| of.name.as_deref().unwrap())
+        .collect();
     assert_eq!(names, ["Cup", "Hips", "Ball"]);
     assert_eq!(table.bodies[2].samples[0].holds, Holds::Position);
-    assert!(table.notes.iter().any(|of| of.contains("1 unlabeled markers")), "{:?}", table.notes);
+    assert!(
+        table
+            .notes
+            .iter()
+            .any(|of| of.contains("1 unlabeled markers")),
+        "{:?}",
+        table.notes
+    );
 }
 
 #[test]
@@ -284,12 +378,28 @@ fn bodies_side_by_side_are_told_by_the_names_of_their_columns() {
     let [cup, ball] = &table.bodies[..] else {
         panic!("{table:?}");
     };
-    assert_eq!((cup.name.as_deref(), ball.name.as_deref()), (Some("cup"), Some("ball")));
-    assert_eq!((ball.samples[0].holds, ball.samples.len(), ball.unseen.count()), (Holds::Position, 1, 1));
+    assert_eq!(
+        (cup.name.as_deref(), ball.name.as_deref()),
+        (Some("cup"), Some("ball"))
+    );
+    assert_eq!(
+        (
+            ball.samples[0].holds,
+            ball.samples.len(),
+            ball.unseen.count()
+        ),
+        (Holds::Position, 1, 1)
+    );
     // What else is in three columns beside the pose of nobody in particular is not read.
-    let table = plainly("t,x,y,z,qx,qy,qz,qw,goal_x,goal_y,goal_z\n0,1,2,3,0,0,0,1,7,8,9\n0.01,1,2,3,0,0,0,1,7,8,9\n");
+    let table = plainly(
+        "t,x,y,z,qx,qy,qz,qw,goal_x,goal_y,goal_z\n0,1,2,3,0,0,0,1,7,8,9\n0.01,1,2,3,0,0,0,1,7,8,9\n",
+    );
     assert_eq!(table.bodies.len(), 1);
-    assert!(table.notes.iter().any(|of| of.contains("not read: goal_x")), "{:?}", table.notes);
+    assert!(
+        table.notes.iter().any(|of| of.contains("not read: goal_x")),
+        "{:?}",
+        table.notes
+    );
 }
 
 #[test]
@@ -303,13 +413,32 @@ fn units_and_owners_may_stand_in_lines_of_their_own() {
     ] {
         assert_has_the_pose(&plainly(&text), &text);
     }
-    let text = "coords,cup,cup,cup,rim,rim,rim\ntime,x,y,z,x,y,z\n0.5,1,2,3,4,5,6\n0.51,1,2,3,4,5,6\n";
-    let names: Vec<_> = plainly(text).bodies.into_iter().map(|of| of.name.unwrap()).collect();
+    let text =
+        "coords,cup,cup,cup,rim,rim,rim\ntime,x,y,z,x,y,z\n0.5,1,2,3,4,5,6\n0.51,1,2,3,4,5,6\n";
+    let names: Vec<_> = plainly(text)
+        .bodies
+        .into_iter()
+        .map(|of| of.name.unwrap())
+        .collect();
     assert_eq!(names, ["cup", "rim"]);
     // Robots' A, B, C are an orientation.
     let table = plainly("t,X,Y,Z,A,B,C\n0,1,2,3,0,0,0\n0.01,1,2,3,0,0,0\n");
-    assert!(table.against.iter().any(|of| of.contains("are not read: A, B, C")), "{:?}", table.against);
+    assert!(
+        table
+            .against
+            .iter()
+            .any(|of| of.contains("are not read: A, B, C")),
+        "{:?}",
+        table.against
+    );
     // A number for each row names no bodies.
-    let rows: String = (0..9).map(|row| format!("{row},{},1,2,3,0,0,0,1\n", 0.01 * f64::from(row))).collect();
-    assert_eq!(plainly(&format!("id,t,x,y,z,qx,qy,qz,qw\n{rows}")).bodies.len(), 1);
+    let rows: String = (0..9)
+        .map(|row| format!("{row},{},1,2,3,0,0,0,1\n", 0.01 * f64::from(row)))
+        .collect();
+    assert_eq!(
+        plainly(&format!("id,t,x,y,z,qx,qy,qz,qw\n{rows}"))
+            .bodies
+            .len(),
+        1
+    );
 }
