@@ -1,6 +1,9 @@
 //! `enact import` from outside: tables of many programs become recordings that are estimated, and what the
 //! data show of a wrong guess is said.
 
+#[path = "import/said.rs"]
+mod said;
+
 use std::fs;
 use std::path::Path;
 
@@ -527,7 +530,7 @@ fn what_cannot_be_imported_is_refused_with_what_to_do() {
         ),
         ("man.bvh", 1, "is BVH"),
         ("markers.c3d", 1, "is C3D"),
-        ("picture.png", 1, "neither UTF-8 text nor MCAP"),
+        ("picture.png", 1, "neither text nor MCAP"),
         ("empty.csv", 1, "is empty"),
         ("bad.csv", 1, "bad.csv:3: column 4: \"oops\" is no number"),
         ("absent.csv", 1, "absent.csv: cannot read"),
@@ -565,7 +568,7 @@ fn what_cannot_be_imported_is_refused_with_what_to_do() {
         (
             &["ball.csv", "-o", "x.mcap", "--time-unit", "hours"],
             2,
-            "expected s, ms, us, ns or frame",
+            "expected s, ms, us, 100ns, ns or frame",
         ),
         (&["ball.csv"], 2, "--output"),
     ] {

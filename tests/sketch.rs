@@ -334,6 +334,58 @@ fn mistakes_are_answered_with_place_and_expectation() {
 }
 
 #[test]
+fn orientations_are_written_in_degrees_and_rounded_quaternions_are_taken() {
+    let folder = page_folder();
+    let scene = scene_of(folder.path(), "scene.toml");
+    let turned = |rows: Vec<SketchRow>| -> Vec<[f64; 4]> {
+        let keyframes = rows.into_iter().filter_map(|row| match row {
+            SketchRow::Keyframe { keyframe, .. } => keyframe.orientation_wxyz,
+            SketchRow::Mark(_) => None,
+        });
+        keyframes.collect()
+    };
+    // Rz(90°)·Rx(90°): x goes to y, and y to z.
+    let csv = "t,x,y,z,roll_deg,pitch_deg,yaw_deg\n0,0,0,1,90,0,90\n0.1,0,0,1,0,0,0\n";
+    let toml = "[[keyframe]]\nt_s = 0\nposition_m = [0, 0, 1]\nrpy_deg = [90, 0, 90]\n\n\
+                [[keyframe]]\nt_s = 0.1\nposition_m = [0, 0, 1]\nrpy_deg = [0, 0, 0]\n";
+    for found in [
+        turned(sketch_from_csv(csv, &scene).unwrap()),
+        turned(sketch_from_toml(toml, &scene).unwrap()),
+    ] {
+        let expected = [[0.5; 4], [1.0, 0.0, 0.0, 0.0]];
+        for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
+    let twice = "t,qw,qx,qy,qz,roll_deg,pitch_deg,yaw_deg\n0,1,0,0,0,90,0,90\n";
+    let error = sketch_from_csv(twice, &scene).unwrap_err().to_string();
+    assert!(error.contains("given twice"), "{error}");
+    // Of norm 0.99, which is said; positions alone, which are no keyframes.
+    fs::write(
+        folder.path().join("rounded.csv"),
+        "t,x,y,z,qw,qx,qy,qz\n0,0,0,1,0.7,0.7,0,0\n0.1,0,0,0.9,0.7,0.7,0,0\n",
+    )
+    .unwrap();
+    fs::write(
+        folder.path().join("places.csv"),
+        "t,x,y,z\n0,0,0,1\n0.1,0,0,0.9\n",
+    )
+    .unwrap();
+    for (file, said) in [
+        (
+            "rounded.csv",
+            "2 quaternions have a norm other than 1, the first 0.9899",
+        ),
+        ("places.csv", "has positions alone"),
+    ] {
+        let output = enact(folder.path(), &["sketch", file, "--scene", "scene.toml"]);
+        assert!(output.status.success(), "{output:?}");
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.contains(said), "{text}");
+    }
+}
+
+#[test]
 fn the_program_refuses_with_a_code_and_leaves_no_file() {
     let folder = page_folder();
     fs::write(folder.path().join("bad.csv"), "t,x,y,z\n0,0,0,high\n").unwrap();

@@ -20,7 +20,7 @@ pub(super) use live::Wanted;
 pub(super) use live::{CaptureArguments, DoctorArguments, RecoverArguments, TakeArguments};
 pub(super) use output::{ExportArguments, ReportArguments, Seen, Target};
 pub(super) use recording::{
-    ImportArguments, InspectArguments, MarkArguments, Order, Rotation, SketchArguments,
+    ImportArguments, InspectArguments, MarkArguments, Order, SketchArguments,
 };
 pub(super) use scene::{
     CheckSceneArguments, FromUrdfArguments, LengthUnit, NewSceneArguments, NewStamps, SceneCommand,

@@ -1,6 +1,6 @@
 //! `import`: files of other programs become recordings.
 
-use super::arguments::{ImportArguments, Order, Rotation};
+use super::arguments::{ImportArguments, Order};
 use super::exit::Exit;
 use super::inspect::range;
 use super::output::{Account, push_line};
@@ -26,10 +26,8 @@ pub(super) fn run(arguments: ImportArguments) -> anyhow::Result<Exit> {
                 Order::Xyzw => QuaternionOrder::Xyzw,
                 Order::Wxyz => QuaternionOrder::Wxyz,
             }),
-            turn: arguments.rotation.map(|rotation| match rotation {
-                Rotation::Vector => Turn::Vector,
-                Rotation::EulerXyz => Turn::EulerXyz,
-            }),
+            turn: arguments.rotation.as_deref().and_then(Turn::named),
+            angle_unit: arguments.angle_unit,
             preset: arguments.from.as_deref().and_then(Preset::named),
         },
         topics: arguments.topic,

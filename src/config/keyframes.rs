@@ -9,7 +9,7 @@ mod tables;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::error::{Fault, SceneError, fault};
 use super::keys::nearest;
@@ -17,8 +17,8 @@ use crate::motion::{Keyframe, KeyframeTime, Mark, Scene, SketchRow, Stamp, Timin
 
 /// Latest time \[s\]: longer takes are refused later.
 const TIME_MAX_S: f64 = 86_400.0;
-/// Greatest deviation of a quaternion's norm from 1.
-const NORM_LIMIT: f64 = 0.01;
+/// Greatest deviation of a quaternion's norm from 1: of numbers that were rounded to two digits.
+const NORM_LIMIT: f64 = 0.02;
 
 /// A value with its place in the text.
 #[derive(Clone, Debug)]
@@ -39,6 +39,7 @@ struct Written {
     latest_s: Option<Placed<f64>>,
     position_m: [Option<Placed<f64>>; 3],
     orientation_wxyz: [Option<Placed<f64>>; 4],
+    rpy_deg: [Option<Placed<f64>>; 3],
     position_sd_m: Option<Placed<f64>>,
     orientation_sd_deg: Option<Placed<f64>>,
 }
@@ -121,6 +122,7 @@ fn mark(
         );
     }
     let places = row.position_m.iter().chain(&row.orientation_wxyz);
+    let places = places.chain(&row.rpy_deg);
     let more = places.flatten().map(|placed| &placed.span).next();
     let more = more.or(row.flight.as_ref().map(|placed| &placed.span));
     if let Some(span) = more {
@@ -207,24 +209,13 @@ fn flight(row: &Written, scene: &Scene, track: TrackIndex) -> Result<Option<usiz
 
 fn keyframe(row: &Written) -> Result<Keyframe, Fault> {
     let position_m = whole(row, &row.position_m, "x, y and z")?;
-    let orientation_wxyz = whole(row, &row.orientation_wxyz, "qw, qx, qy and qz")?;
+    let orientation_wxyz = orientation(row)?;
     if position_m.is_none() && orientation_wxyz.is_none() {
         return fault(
             row.span.clone(),
-            "neither position nor orientation, expected x, y and z, or qw, qx, qy and qz, or both",
+            "neither position nor orientation, expected x, y and z, or qw, qx, qy and qz (or roll_deg, pitch_deg and yaw_deg), \
+             or both",
         );
-    }
-    if let Some(components) = orientation_wxyz {
-        let norm = components.iter().map(|c| c * c).sum::<f64>().sqrt();
-        let span = row.orientation_wxyz[0]
-            .as_ref()
-            .map_or(row.span.clone(), |w| w.span.clone());
-        if (norm - 1.0).abs() > NORM_LIMIT {
-            return fault(
-                span,
-                format!("a quaternion of norm {norm:.3}, expected 1: is one component wrong?"),
-            );
-        }
     }
     let sd = |placed: &Option<Placed<f64>>| match placed {
         Some(placed) if placed.value <= 0.0 => fault(
@@ -243,6 +234,39 @@ fn keyframe(row: &Written) -> Result<Keyframe, Fault> {
         position_sd_m: sd(&row.position_sd_m)?,
         orientation_sd_deg: sd(&row.orientation_sd_deg)?,
     })
+}
+
+/// The orientation of a row, of a quaternion or of roll, pitch and yaw, `Rz·Ry·Rx`; `None` where it has none.
+fn orientation(row: &Written) -> Result<Option<[f64; 4]>, Fault> {
+    let quaternion = whole(row, &row.orientation_wxyz, "qw, qx, qy and qz")?;
+    let angles_deg = whole(row, &row.rpy_deg, "roll_deg, pitch_deg and yaw_deg")?;
+    let Some(components) = quaternion else {
+        return Ok(angles_deg.map(|angles_deg| {
+            let [roll, pitch, yaw] = angles_deg.map(f64::to_radians);
+            let turned = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+            [turned.w, turned.i, turned.j, turned.k]
+        }));
+    };
+    if let (Some(_), Some(angle)) = (angles_deg, &row.rpy_deg[0]) {
+        return fault(
+            angle.span.clone(),
+            "the orientation is given twice, expected a quaternion or roll, pitch and yaw",
+        );
+    }
+    let norm = components.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let span = row.orientation_wxyz[0]
+        .as_ref()
+        .map_or(row.span.clone(), |w| w.span.clone());
+    if (norm - 1.0).abs() > NORM_LIMIT {
+        return fault(
+            span,
+            format!(
+                "a quaternion of norm {norm:.3}, expected 1: is one component wrong? roll_deg, pitch_deg and yaw_deg take \
+                 degrees"
+            ),
+        );
+    }
+    Ok(Some(components))
 }
 
 /// All of some values, or none.

@@ -14,6 +14,9 @@ use nalgebra::{Matrix3, Vector3};
 /// [`SEED_RELATIVE_SD`] at each place \[samples\].
 const SEED_SAMPLES: [usize; 8] = [7, 10, 14, 20, 28, 40, 80, 160];
 const SEED_RELATIVE_SD: f64 = 0.1;
+/// Windows of so many samples and more are tried at each eighth of their length alone: what takes so many to be told
+/// is long.
+const LONG_SAMPLES: usize = 40;
 /// Limits of `F` at infinitely many degrees of freedom, the first that makes a flight: the quantile of Fisher's
 /// distribution to one in ten thousand is the second, four times as much lets a flight drift by drag or a
 /// tracker's distortion, and is still far less than an impact makes of it.
@@ -28,6 +31,11 @@ const HALVES_SHARE: f64 = 0.25;
 const HALF_SAMPLES: usize = 4;
 /// Flights are as exact as the most exact one, up to this factor; what is less is no flight.
 const SCATTER_RATIO: f64 = 8.0;
+/// A parabola that grows is fitted anew when it has become longer by this share: until then it is updated
+/// sample by sample, so that a search takes time in proportion to the samples.
+const ANEW_SHARE: f64 = 0.5;
+/// A sample that was in so many stretches that turned out to be no flight begins no further one.
+const TRIES_MAX: u8 = 8;
 
 /// A stretch that is a free flight.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,14 +71,18 @@ pub fn falls(
     // The most exact first: one that reaches over a kink is none of them.
     seeds.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.start.cmp(&b.1.start)));
     let mut is_used = vec![false; count];
+    let mut tries = vec![0_u8; count];
     let mut found: Vec<Fall> = Vec::new();
     for (_, seed) in seeds {
-        if is_used[seed.clone()].iter().any(|used| *used) {
+        let middle = (seed.start + seed.end) / 2;
+        if tries[middle] >= TRIES_MAX || is_used[seed.clone()].iter().any(|used| *used) {
             continue;
         }
         let limit = found.first().map_or(f64::INFINITY, |best| best.scatter);
+        let mut longest = seed.clone();
         let grown = F_LIMITS.iter().filter_map(|f_limit| {
             let grown = path.grown(seed.clone(), &is_used, *f_limit);
+            longest = longest.start.min(grown.start)..longest.end.max(grown.end);
             Some(path.parabola(grown)?.fall())
         });
         let fall = { grown }.find(|fall| {
@@ -81,6 +93,10 @@ pub fn falls(
         if let Some(fall) = fall {
             is_used[fall.samples.clone()].fill(true);
             found.push(fall);
+        } else {
+            for tried in &mut tries[longest] {
+                *tried = tried.saturating_add(1);
+            }
         }
     }
     found.sort_by_key(|fall| fall.samples.start);
@@ -109,6 +125,8 @@ struct Parabola {
     half_s: f64,
     coefficients: [Vector3<f64>; 3],
     covariance: Matrix3<f64>,
+    /// Sum of the squares of what is left.
+    squares: f64,
     scatter: f64,
 }
 
@@ -144,27 +162,49 @@ impl Path<'_> {
         });
         let squares: f64 = left.sum();
         coefficients[0] += origin;
-        let freedom = 3.0 * (times_s.len() as f64 - 3.0);
-        let least = SCATTER_MIN * coefficients[2].norm();
-        let scatter = (squares / freedom).sqrt().max(least);
-        scatter.is_finite().then_some(Parabola {
+        let parabola = Parabola {
             samples,
             middle_s,
             half_s,
             coefficients,
             covariance,
-            scatter,
-        })
+            squares,
+            scatter: 0.0,
+        };
+        parabola.scattered()
     }
 
     /// The shortest window from a sample on that tells its acceleration, if that is wanted.
     fn seed(self, begin: usize, is_wanted: impl Fn(&Vector3<f64>, f64) -> bool) -> Option<Fall> {
-        let windows = SEED_SAMPLES.iter().map(|count| begin..begin + count);
-        let windows = windows.take_while(|window| window.end <= self.times_s.len());
-        let mut falls = windows.filter_map(|window| Some(self.parabola(window)?.fall()));
-        let told = falls
-            .find(|fall| fall.acceleration_sd <= SEED_RELATIVE_SD * fall.acceleration.norm())?;
-        is_wanted(&told.acceleration, told.acceleration_sd).then_some(told)
+        let mut parabola: Option<Parabola> = None;
+        for count in SEED_SAMPLES {
+            let window = begin..begin + count;
+            let is_between = count >= LONG_SAMPLES && !begin.is_multiple_of(count / 8);
+            if is_between || window.end > self.times_s.len() {
+                return None;
+            }
+            let longer = match parabola.take() {
+                Some(shorter) => self.lengthened(shorter, window.end),
+                None => self.parabola(window),
+            };
+            let told = longer?;
+            let fall = told.fall();
+            if fall.acceleration_sd <= SEED_RELATIVE_SD * fall.acceleration.norm() {
+                return is_wanted(&fall.acceleration, fall.acceleration_sd).then_some(fall);
+            }
+            parabola = Some(told);
+        }
+        None
+    }
+
+    /// A parabola with the samples up to an end as well.
+    fn lengthened(self, mut parabola: Parabola, end: usize) -> Option<Parabola> {
+        while parabola.samples.end < end {
+            let next = parabola.samples.end;
+            parabola.samples.end = next + 1;
+            parabola = parabola.with(self.times_s[next], &self.points[next])?;
+        }
+        Some(parabola)
     }
 
     /// Whether both halves accelerate as the whole does.
@@ -187,28 +227,40 @@ impl Path<'_> {
 
     /// The stretch about a window up to where samples leave its parabola, or are used.
     fn grown(self, seed: Range<usize>, is_used: &[bool], f_limit: f64) -> Range<usize> {
-        let mut range = seed;
-        loop {
-            let next = range.end;
-            if next >= self.times_s.len() || is_used[next] || !self.belongs(&range, next, f_limit) {
-                break;
+        let mut range = seed.clone();
+        let Some(mut parabola) = self.parabola(seed) else {
+            return range;
+        };
+        let mut fitted = range.len();
+        // First to the end, then to the begin.
+        for is_forward in [true, false] {
+            loop {
+                let next = match is_forward {
+                    true => Some(range.end).filter(|next| *next < self.times_s.len()),
+                    false => range.start.checked_sub(1),
+                };
+                let Some(next) = next.filter(|next| !is_used[*next]) else {
+                    break;
+                };
+                let (time_s, point) = (self.times_s[next], &self.points[next]);
+                if !parabola.expects(time_s, point, f_limit) {
+                    break;
+                }
+                range = range.start.min(next)..range.end.max(next + 1);
+                parabola.samples = range.clone();
+                let longer = if range.len() as f64 > fitted as f64 * (1.0 + ANEW_SHARE) {
+                    fitted = range.len();
+                    self.parabola(range.clone())
+                } else {
+                    parabola.with(time_s, point)
+                };
+                let Some(longer) = longer else {
+                    return range;
+                };
+                parabola = longer;
             }
-            range.end = next + 1;
-        }
-        while let Some(next) = range.start.checked_sub(1) {
-            if is_used[next] || !self.belongs(&range, next, f_limit) {
-                break;
-            }
-            range.start = next;
         }
         range
-    }
-
-    fn belongs(self, range: &Range<usize>, next: usize, f_limit: f64) -> bool {
-        self.parabola(range.clone()).is_some_and(|parabola| {
-            let (time_s, point) = (self.times_s[next], self.points[next]);
-            parabola.expects(time_s, &point, f_limit)
-        })
     }
 }
 
@@ -221,8 +273,7 @@ impl Parabola {
     /// Whether a sample beyond the ends is where the others let expect it.
     fn expects(&self, time_s: f64, point: &Vector3<f64>, f_limit: f64) -> bool {
         let powers = self.powers(time_s);
-        let terms = self.coefficients.iter().zip(powers.iter());
-        let at: Vector3<f64> = terms.map(|(c, power)| c * *power).sum();
+        let at = self.at(&powers);
         let leverage = (powers.transpose() * self.covariance * powers)[0];
         let freedom = 3.0 * (self.samples.len() as f64 - 3.0);
         let limit = f_limit * (1.0 + F_FEW / freedom);
@@ -230,13 +281,41 @@ impl Parabola {
         off <= 3.0 * self.scatter.powi(2) * (1.0 + leverage) * limit
     }
 
-    fn fall(self) -> Fall {
+    /// With its scatter; `None` where that is no number.
+    fn scattered(self) -> Option<Self> {
+        let freedom = 3.0 * (self.samples.len() as f64 - 3.0);
+        let least = SCATTER_MIN * self.coefficients[2].norm();
+        let scatter = (self.squares / freedom).sqrt().max(least);
+        scatter.is_finite().then_some(Self { scatter, ..self })
+    }
+
+    /// The parabola of least squares through one sample more, which its samples count already: the update of
+    /// recursive least squares, exact but for rounding.
+    fn with(mut self, time_s: f64, point: &Vector3<f64>) -> Option<Self> {
+        let powers = self.powers(time_s);
+        let spread = self.covariance * powers;
+        let weight = 1.0 / (1.0 + powers.dot(&spread));
+        let off = point - self.at(&powers);
+        for (coefficient, gain) in self.coefficients.iter_mut().zip(spread.iter()) {
+            *coefficient += off * (gain * weight);
+        }
+        self.covariance -= spread * spread.transpose() * weight;
+        self.squares += off.norm_squared() * weight;
+        self.scattered()
+    }
+
+    fn at(&self, powers: &Vector3<f64>) -> Vector3<f64> {
+        let terms = self.coefficients.iter().zip(powers.iter());
+        terms.map(|(c, power)| c * *power).sum()
+    }
+
+    fn fall(&self) -> Fall {
         let per_s2 = 2.0 / self.half_s.powi(2);
         Fall {
             acceleration: self.coefficients[2] * per_s2,
             acceleration_sd: self.scatter * self.covariance[(2, 2)].sqrt() * per_s2,
             scatter: self.scatter,
-            samples: self.samples,
+            samples: self.samples.clone(),
         }
     }
 }
@@ -309,6 +388,34 @@ mod tests {
         let rest = times_s.iter().map(|_| Vector3::new(1.0, 2.0, 3.0));
         assert!(falls(&times_s, &swing.collect::<Vec<_>>(), is_gravity).is_empty());
         assert!(falls(&times_s, &rest.collect::<Vec<_>>(), is_gravity).is_empty());
+    }
+
+    #[test]
+    fn long_paths_are_searched_too() {
+        // Tosses and a hand in turn, and a path that is a parabola all along and yet no flight.
+        let (toss_s, toss) = toss(1e-3);
+        let repeats = 4_000 / toss.len();
+        let many: Vec<Vector3<f64>> = toss
+            .iter()
+            .cycle()
+            .take(repeats * toss.len())
+            .copied()
+            .collect();
+        let many_s: Vec<f64> = (0..many.len()).map(|i| i as f64 / RATE_HZ).collect();
+        let found = falls(&many_s, &many, is_gravity);
+        let of_one = falls(&toss_s, &toss, is_gravity).len();
+        assert!(
+            found.len() >= repeats * of_one,
+            "{} of {}",
+            found.len(),
+            repeats * of_one
+        );
+        let bent = many_s.iter().enumerate().map(|(i, t)| {
+            let sway = 0.4 * (0.5 * t).sin();
+            let wobble = Vector3::new((12.9 * i as f64).sin(), (78.2 * i as f64).sin(), 0.0) * 1e-3;
+            Vector3::new(0.0, 0.0, -4.9 * t * t + sway) + wobble
+        });
+        assert!(falls(&many_s, &bent.collect::<Vec<_>>(), is_gravity).len() < repeats);
     }
 
     proptest! {

@@ -11,7 +11,7 @@ use anyhow::{Context, bail, ensure};
 use serde::Serialize;
 
 use self::kind::Kind;
-use self::names::{Named, name_of_file, topics};
+use self::names::{Named, listed, name_of_file, topics};
 use self::told::{Told, told};
 use super::guard::Inputs;
 use super::mark::{check_event, stamp_of};
@@ -132,7 +132,11 @@ pub fn import(job: &ImportJob) -> anyhow::Result<Imported> {
         let bytes =
             read_whole(input).with_context(|| format!("{}: cannot read", input.display()))?;
         match kind::of(input, bytes)? {
-            Kind::Table(text) => tables.push((input, read_table(input, &text, &job.options)?)),
+            Kind::Table(text) => {
+                let mut table = read_table(input, &text.text, &job.options)?;
+                table.notes.extend(text.note);
+                tables.push((input, table));
+            }
             Kind::Recording(bytes) => recordings.push((input.clone(), bytes)),
         }
     }
@@ -147,7 +151,59 @@ pub fn import(job: &ImportJob) -> anyhow::Result<Imported> {
     if !recordings.is_empty() {
         return recordings::recordings(job, recordings, scene.as_ref());
     }
+    one_zero(&mut tables);
     recording(job, &tables, scene.as_ref())
+}
+
+/// Tables that count frames or rows begin together, at the first of all: what was seen later in one of them stays later.
+fn one_zero(tables: &mut [(&PathBuf, PoseTable)]) {
+    let zeros: Option<Vec<Stamp>> = tables.iter().map(|(_, table)| table.zero).collect();
+    let Some(first) = zeros.and_then(|zeros| zeros.into_iter().min()) else {
+        return;
+    };
+    for (_, table) in tables {
+        let samples = table.bodies.iter_mut().flat_map(|body| &mut body.samples);
+        let marks = table.marks.iter_mut().map(|(_, stamp)| stamp);
+        for stamp in samples.map(|sample| &mut sample.stamp).chain(marks) {
+            stamp.0 = stamp.0.saturating_sub(first.0);
+        }
+    }
+}
+
+/// What speaks against files on one clock: one of them is long over when another begins.
+fn apart(tables: &[(&PathBuf, PoseTable)]) -> Option<String> {
+    let span = |table: &PoseTable| -> Option<[Stamp; 2]> {
+        let stamps = || {
+            table
+                .bodies
+                .iter()
+                .flat_map(|body| &body.samples)
+                .map(|sample| sample.stamp)
+        };
+        Some([stamps().min()?, stamps().max()?])
+    };
+    let spans: Vec<(&PathBuf, [Stamp; 2])> = tables
+        .iter()
+        .filter_map(|(file, table)| Some((*file, span(table)?)))
+        .collect();
+    let longest_s = spans
+        .iter()
+        .map(|(_, [first, last])| last.seconds_since(*first))
+        .fold(0.0, f64::max);
+    let gap = |(file, of): &(&PathBuf, [Stamp; 2]), (other, to): &(&PathBuf, [Stamp; 2])| {
+        let gap_s = to[0].seconds_since(of[1]);
+        (gap_s > longest_s.max(1.0)).then(|| {
+            format!(
+                "{} begins {gap_s:.3} s after {} ends: are their clocks different? Expected files on one clock, or each \
+                 imported by itself",
+                other.display(),
+                file.display()
+            )
+        })
+    };
+    spans
+        .iter()
+        .find_map(|of| spans.iter().find_map(|to| gap(of, to)))
 }
 
 fn read_scene(file: &Path) -> anyhow::Result<(Scene, String)> {
@@ -173,14 +229,41 @@ fn recording(
                 body,
             })
         })
-        .filter(|named| !named.body.samples.is_empty())
         .collect();
+    let (named, never): (Vec<Named>, Vec<Named>) = named
+        .into_iter()
+        .partition(|named| !named.body.samples.is_empty());
     let names: Vec<(&str, Holds)> = named
         .iter()
         .map(|named| (named.name.as_str(), named.body.samples[0].holds))
         .collect();
-    let topics = topics(&names, &job.topics, scene.map(|(scene, _)| scene))?;
-    let samples = named.iter().flat_map(|named| &named.body.samples);
+    let scene_read = scene.map(|(scene, _)| scene);
+    let topics = topics(&names, &job.topics, scene_read)?;
+    let mut of_all = Told::default();
+    of_all.against.extend(apart(tables));
+    if !never.is_empty() {
+        let never: Vec<&str> = never.iter().map(|named| named.name.as_str()).collect();
+        of_all
+            .notes
+            .push(format!("never seen, and left out: {}", listed(&never)));
+    }
+    let strangers = names
+        .iter()
+        .zip(&topics)
+        .filter(|(_, topic)| topic.is_none());
+    let strangers: Vec<&str> = strangers.map(|((name, _), _)| *name).collect();
+    if !strangers.is_empty() {
+        of_all.notes.push(format!(
+            "left out, as the scene has no bodies of these names (--topic NAME=TOPIC takes them): {}",
+            listed(&strangers)
+        ));
+    }
+    let named: Vec<(&Named, &String)> = named
+        .iter()
+        .zip(&topics)
+        .filter_map(|(named, topic)| Some((named, topic.as_ref()?)))
+        .collect();
+    let samples = named.iter().flat_map(|(named, _)| &named.body.samples);
     // Every table has a pose.
     let origin = samples.map(|sample| sample.stamp).min().unwrap_or(Stamp(0));
     let mut marks = Vec::new();
@@ -192,6 +275,7 @@ fn recording(
         let event = event.clone();
         marks.push(Mark { stamp, event });
     }
+    marks.extend(marks_of_heads(tables, &marks, scene_read, &mut of_all));
     let is_within = |sample: &&PoseSample| {
         let time_s = sample.stamp.seconds_since(origin);
         job.start_s.is_none_or(|start_s| time_s >= start_s)
@@ -199,25 +283,27 @@ fn recording(
     };
     let mut entries: Vec<(Stamp, Entry)> = Vec::new();
     let mut bodies = Vec::new();
-    let mut of_all = Told::default();
     let mut left_out = 0;
-    for (named, topic) in named.iter().zip(&topics) {
+    for (named, topic) in &named {
         let mut samples: Vec<&PoseSample> = named.body.samples.iter().filter(is_within).collect();
         left_out += (named.body.samples.len() - samples.len()) as u64;
         samples.sort_by_key(|sample| sample.stamp);
-        let mut told = told(named, &samples);
-        let scene = scene.map(|(scene, _)| scene);
-        told.against.extend(unseen(named, topic, scene));
+        let mut told = told(named, &samples, scene_read);
+        told.against.extend(unseen(named, topic, scene_read));
         bodies.push(line(named, topic, &samples, &told, origin));
         of_all.add(told);
-        entries.extend(samples.iter().map(|of| (of.stamp, Entry::Pose(topic, of))));
+        entries.extend(
+            samples
+                .iter()
+                .map(|of| (of.stamp, Entry::Pose(topic.as_str(), of))),
+        );
     }
     ensure!(
         !entries.is_empty(),
         "no pose is within --start and --end; the files have {:.3} s",
         named
             .iter()
-            .flat_map(|named| &named.body.samples)
+            .flat_map(|(named, _)| &named.body.samples)
             .map(|sample| sample.stamp.seconds_since(origin))
             .fold(0.0, f64::max)
     );
@@ -267,10 +353,43 @@ fn recording(
         copied: None,
         left_out,
         marks: marks.len(),
-        against: of_all.against,
+        against: [notes(&|table| table.against.clone()), of_all.against].concat(),
         warnings: [notes(&|table| table.notes.clone()), of_all.notes].concat(),
         lost: notes(&|table| table.lost.clone()),
     })
+}
+
+/// The marks that the files have themselves. Of a scene, those of its events are taken, as long as none is set by hand.
+fn marks_of_heads(
+    tables: &[(&PathBuf, PoseTable)],
+    by_hand: &[Mark],
+    scene: Option<&Scene>,
+    told: &mut Told,
+) -> Vec<Mark> {
+    let mut marks = Vec::new();
+    for (name, stamp) in tables.iter().flat_map(|(_, table)| &table.marks) {
+        let is_known = scene.is_none_or(|scene| scene.has_event_named(name));
+        let is_set = by_hand.iter().any(|mark| mark.event.as_ref() == Some(name));
+        if is_known && !is_set {
+            let event = Some(name.clone());
+            marks.push(Mark {
+                stamp: *stamp,
+                event,
+            });
+            continue;
+        }
+        let why = match is_set {
+            true => "--mark sets it",
+            false => "the scene has no event of that name; --mark TIME:EVENT sets one",
+        };
+        told.notes
+            .push(format!("the file's event {name:?} is left out: {why}"));
+    }
+    if !marks.is_empty() {
+        told.notes
+            .push(format!("{} events of the files are marks", marks.len()));
+    }
+    marks
 }
 
 /// Whether the scene wants more of a body than points, in words.
@@ -318,7 +437,7 @@ fn line(
         name: named.name.clone(),
         topic: topic.to_owned(),
         poses: samples.len(),
-        absent: named.body.absent,
+        absent: named.body.unseen.count(),
         rate_hz: told.rate_hz,
         duration_s,
         extent_m,

@@ -77,6 +77,6 @@ pub use takes::{TakeEntry, takes};
 pub use words::words;
 
 pub use crate::ingest::table::{
-    PRESETS, Preset, QuaternionOrder, TableOptions, TimeUnit, Turn, length_unit,
+    AngleUnit, PRESETS, Preset, QuaternionOrder, TURNS, TableOptions, TimeUnit, Turn, length_unit,
 };
 pub use crate::ingest::{ListedMark, MarkTime};

@@ -21,7 +21,7 @@ use super::output::write_file_of;
 use super::working::Working;
 use crate::config::{scene_from_toml, sketch_from_csv, sketch_from_toml};
 use crate::ingest::{SCENE_NAME, read_text};
-use crate::motion::{Scene, SketchRow, Stamp};
+use crate::motion::{Keyframe, Scene, SketchRow, Stamp};
 use crate::write::{RecordingWriter, csv_of_sketch, toml_of_sketch};
 
 /// The input of [`sketch`].
@@ -167,12 +167,54 @@ fn write(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched>
             warnings.push(warning);
         }
     }
+    warnings.extend(of_rows(&scene, &rows));
     Ok(account(
         job,
         output,
         (&scene, &rows),
         (Vec::new(), warnings),
     ))
+}
+
+/// Greatest deviation of a quaternion's norm from 1 of which nothing is said.
+const NORM_SAID: f64 = 5e-3;
+
+/// What is to be known of keyframes as they are written: norms, and positions alone.
+fn of_rows(scene: &Scene, rows: &[SketchRow]) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let keyframes = || {
+        rows.iter().filter_map(|row| match row {
+            SketchRow::Keyframe {
+                track, keyframe, ..
+            } => Some((*track, keyframe)),
+            SketchRow::Mark(_) => None,
+        })
+    };
+    let norms = keyframes().filter_map(|(_, keyframe)| {
+        let parts = keyframe.orientation_wxyz?;
+        Some(parts.iter().map(|part| part * part).sum::<f64>().sqrt())
+    });
+    let off: Vec<f64> = norms
+        .filter(|norm| (norm - 1.0).abs() > NORM_SAID)
+        .collect();
+    if let Some(first) = off.first() {
+        warnings.push(format!(
+            "{} quaternions have a norm other than 1, the first {first:.4}: they are taken as if it were 1",
+            off.len()
+        ));
+    }
+    for track in scene.tracks.keys() {
+        let mut own = keyframes().filter(|(of, _)| *of == track).peekable();
+        let is_point = |keyframe: &Keyframe| keyframe.orientation_wxyz.is_none();
+        if own.peek().is_some() && own.all(|(_, keyframe)| is_point(keyframe)) {
+            warnings.push(format!(
+                "{:?} has positions alone: `replay` takes them for a stream, and leaves out those beside marks; give one \
+                 keyframe its orientation, and each counts",
+                scene.link_seen_by(track).name
+            ));
+        }
+    }
+    warnings
 }
 
 /// A recording becomes a written sketch.

@@ -7,13 +7,13 @@ use clap::{Args, ValueEnum};
 
 use super::estimate::{Budget, Limits};
 use super::values::{Format, rate};
-use crate::service::{ListedMark, MarkTime, PRESETS, TimeUnit, length_unit};
+use crate::service::{AngleUnit, ListedMark, MarkTime, PRESETS, TURNS, TimeUnit, length_unit};
 
 /// Arguments of `import`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Tables of EuRoC, TUM, Motive, Vicon and others with named columns are recognised; what is guessed is \
-                  said. Several files, or several bodies in one, become several topics.\n\
+    after_help = "Tables of EuRoC, TUM, KITTI, Motive, Vicon, Qualisys, TRC and others with named columns are recognised; what is \
+                  assumed is said. Several files, or several bodies in one, become several topics.\n\
                   Example: enact import toss.csv --scene config/cube_toss.toml -o toss.mcap\n\
                   Exit code 3: written, but what the data show speaks against how they were read, or some were lost."
 )]
@@ -33,7 +33,7 @@ pub(in crate::cli) struct ImportArguments {
     /// Names of the columns in order, parted by commas, - for one that is not read [default: those in the file]
     #[arg(long, value_name = "NAMES", allow_hyphen_values = true)]
     pub(in crate::cli) columns: Option<String>,
-    /// Unit of times: s, ms, us, ns or frame [default: what the file says, else by the intervals]
+    /// Unit of times: s, ms, us, 100ns, ns or frame [default: what the file says, else by the intervals]
     #[arg(long, value_name = "UNIT", value_parser = time_unit)]
     pub(in crate::cli) time_unit: Option<TimeUnit>,
     /// Unit of positions: m, cm, mm, in or ft [default: what the file says, else that of the preset]
@@ -45,9 +45,12 @@ pub(in crate::cli) struct ImportArguments {
     /// Order of the numbers of quaternions, where names of columns do not say it
     #[arg(long, value_enum, value_name = "ORDER")]
     pub(in crate::cli) quaternion: Option<Order>,
-    /// What three angles mean, where a file has those
-    #[arg(long, value_enum, value_name = "WHAT")]
-    pub(in crate::cli) rotation: Option<Rotation>,
+    /// What three angles mean, where a file has those and does not say it
+    #[arg(long, value_name = "WHAT", value_parser = turns())]
+    pub(in crate::cli) rotation: Option<String>,
+    /// Unit of angles: deg or rad [default: what the file says, else by their values]
+    #[arg(long, value_name = "UNIT", value_parser = angle_unit)]
+    pub(in crate::cli) angle_unit: Option<AngleUnit>,
     /// Topic of a body, in order or by name [default: that of the scene's body, else /tracker/NAME/pose]
     #[arg(long, value_name = "[NAME=]TOPIC")]
     pub(in crate::cli) topic: Vec<String>,
@@ -74,15 +77,6 @@ pub(in crate::cli) enum Order {
     Xyzw,
     /// Scalar first
     Wxyz,
-}
-
-/// What three angles mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(in crate::cli) enum Rotation {
-    /// A rotation vector: axis times angle
-    Vector,
-    /// Turns about the body's x, then y, then z axis
-    EulerXyz,
 }
 
 /// Arguments of `inspect`.
@@ -216,12 +210,23 @@ fn moved_mark(text: &str) -> Result<(String, MarkTime), String> {
 }
 
 fn time_unit(text: &str) -> Result<TimeUnit, String> {
-    TimeUnit::of(text).ok_or_else(|| "expected s, ms, us, ns or frame".into())
+    TimeUnit::of(text).ok_or_else(|| "expected s, ms, us, 100ns, ns or frame".into())
 }
 
 fn known_length_unit(text: &str) -> Result<String, String> {
     let known = length_unit(text).map(|_| text.to_owned());
     known.ok_or_else(|| "expected m, cm, mm, in or ft".into())
+}
+
+fn angle_unit(text: &str) -> Result<AngleUnit, String> {
+    AngleUnit::of(text).ok_or_else(|| "expected deg or rad".into())
+}
+
+fn turns() -> PossibleValuesParser {
+    let values = TURNS
+        .iter()
+        .map(|turn| PossibleValue::new(turn.name).help(turn.about));
+    PossibleValuesParser::new(values)
 }
 
 fn presets() -> PossibleValuesParser {

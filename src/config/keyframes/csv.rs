@@ -18,12 +18,13 @@ enum Value {
     Latest,
     Position(usize),
     Orientation(usize),
+    Angle(usize),
     PositionSd,
     OrientationSd,
 }
 
 /// Names of columns, with what they hold and the power of ten that makes it SI.
-const COLUMNS: [(&str, Value, i32); 28] = [
+const COLUMNS: [(&str, Value, i32); 31] = [
     ("body", Value::Body, 0),
     ("flight", Value::Flight, 0),
     ("event", Value::Event, 0),
@@ -49,6 +50,9 @@ const COLUMNS: [(&str, Value, i32); 28] = [
     ("qx", Value::Orientation(1), 0),
     ("qy", Value::Orientation(2), 0),
     ("qz", Value::Orientation(3), 0),
+    ("roll_deg", Value::Angle(0), 0),
+    ("pitch_deg", Value::Angle(1), 0),
+    ("yaw_deg", Value::Angle(2), 0),
     ("position_sd_m", Value::PositionSd, 0),
     ("position_sd_mm", Value::PositionSd, -3),
     ("orientation_sd_deg", Value::OrientationSd, 0),
@@ -203,6 +207,7 @@ fn row(columns: &[(Value, i32)], (start, line): (usize, &str)) -> Result<Written
                     Value::Latest => row.latest_s = number,
                     Value::Position(axis) => row.position_m[*axis] = number,
                     Value::Orientation(part) => row.orientation_wxyz[*part] = number,
+                    Value::Angle(axis) => row.rpy_deg[*axis] = number,
                     Value::PositionSd => row.position_sd_m = number,
                     Value::OrientationSd => row.orientation_sd_deg = number,
                     Value::Body | Value::Event => {}

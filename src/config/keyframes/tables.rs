@@ -31,6 +31,7 @@ struct RawKeyframe {
     position_m: Option<Spanned<[f64; 3]>>,
     position_mm: Option<Spanned<[f64; 3]>>,
     orientation_wxyz: Option<Spanned<[f64; 4]>>,
+    rpy_deg: Option<Spanned<[f64; 3]>>,
     position_sd_m: Option<Spanned<f64>>,
     position_sd_mm: Option<Spanned<f64>>,
     orientation_sd_deg: Option<Spanned<f64>>,
@@ -80,6 +81,13 @@ fn keyframe(span: Range<usize>, raw: RawKeyframe) -> Result<Written, Fault> {
             *to = Some(finite(value, &span)?);
         }
     }
+    let mut rpy_deg = [None, None, None];
+    if let Some(values) = raw.rpy_deg {
+        let span = values.span();
+        for (to, value) in rpy_deg.iter_mut().zip(values.into_inner()) {
+            *to = Some(finite(value, &span)?);
+        }
+    }
     Ok(Written {
         span,
         body: raw.body.map(placed),
@@ -90,6 +98,7 @@ fn keyframe(span: Range<usize>, raw: RawKeyframe) -> Result<Written, Fault> {
         latest_s: scaled(raw.t_max_s, raw.t_max_ms, "t_max_s", "t_max_ms")?,
         position_m,
         orientation_wxyz,
+        rpy_deg,
         position_sd_m: scaled(
             raw.position_sd_m,
             raw.position_sd_mm,

@@ -1,5 +1,7 @@
 //! Axes of worlds, and what is usual for whom.
 
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
+
 use super::units::TimeUnit;
 use crate::motion::LengthUnit;
 
@@ -11,6 +13,10 @@ const Z_UP: Axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 const Y_UP: Axes = [[1, 0, 0], [0, 0, -1], [0, 1, 0]];
 /// (x, y, z) → (y, z, x).
 const X_UP: Axes = [[0, 1, 0], [0, 0, 1], [1, 0, 0]];
+/// x right, y down, z ahead: (x, y, z) → (x, z, −y).
+const Y_DOWN: Axes = [[1, 0, 0], [0, 0, 1], [0, -1, 0]];
+/// x ahead, y right, z down: (x, y, z) → (x, −y, −z).
+const Z_DOWN: Axes = [[1, 0, 0], [0, -1, 0], [0, 0, -1]];
 /// Left-handed, z ahead: (x, y, z) → (z, −x, y).
 const UNITY: Axes = [[0, 0, 1], [-1, 0, 0], [0, 1, 0]];
 /// Left-handed, y to the right: (x, y, z) → (x, −y, z).
@@ -45,7 +51,7 @@ const M: LengthUnit = LengthUnit::Metre;
 const MM: LengthUnit = LengthUnit::Millimetre;
 
 /// The presets; `docs/import.md` has the source of each.
-pub const PRESETS: [Preset; 11] = [
+pub const PRESETS: [Preset; 15] = [
     preset("z-up", "right-handed, z up, metres: ROS, Blender", Z_UP, M),
     preset("y-up", "right-handed, y up, metres: glTF, Maya", Y_UP, M),
     preset("x-up", "right-handed, x up, metres", X_UP, M),
@@ -57,6 +63,25 @@ pub const PRESETS: [Preset; 11] = [
         M,
     ),
     preset("vicon", "Vicon Tracker, Nexus: z up, millimetres", Z_UP, MM),
+    preset(
+        "qualisys",
+        "Qualisys Track Manager: z up, millimetres",
+        Z_UP,
+        MM,
+    ),
+    preset("trc", "TRC of OpenSim: y up, metres", Y_UP, M),
+    preset(
+        "camera",
+        "a camera's first view: x right, y down, z ahead, metres (KITTI, OpenCV, AprilTag)",
+        Y_DOWN,
+        M,
+    ),
+    preset(
+        "ned",
+        "x north, y east, z down, metres (PX4, aircraft)",
+        Z_DOWN,
+        M,
+    ),
     preset("openvr", "SteamVR, OpenVR, OpenXR: y up, metres", Y_UP, M),
     preset(
         "unity",
@@ -145,23 +170,18 @@ impl Preset {
         det < 0
     }
 
-    /// The quaternion `[x, y, z, w]` of the axes, which are those of a rotation by less than half a turn.
+    /// The quaternion `[x, y, z, w]` of the axes, which are those of a rotation.
     fn rotation(&self) -> [f64; 4] {
-        let m = |row: usize, column: usize| f64::from(self.axes[row][column]);
-        let w = 0.5 * (1.0 + m(0, 0) + m(1, 1) + m(2, 2)).sqrt();
-        [
-            (m(2, 1) - m(1, 2)) / (4.0 * w),
-            (m(0, 2) - m(2, 0)) / (4.0 * w),
-            (m(1, 0) - m(0, 1)) / (4.0 * w),
-            w,
-        ]
+        let axes = Matrix3::from_fn(|row, column| f64::from(self.axes[row][column]));
+        let turned = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+        [turned.i, turned.j, turned.k, turned.w]
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+    use nalgebra::{Quaternion, Vector3};
 
     fn rotated([x, y, z, w]: [f64; 4], v: [f64; 3]) -> Vector3<f64> {
         UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)) * Vector3::from(v)
@@ -204,6 +224,8 @@ mod tests {
             ("motive-y-up", [0.0, 1.0, 0.0]),
             ("openvr", [0.0, 1.0, 0.0]),
             ("x-up", [1.0, 0.0, 0.0]),
+            ("camera", [0.0, -1.0, 0.0]),
+            ("ned", [0.0, 0.0, -1.0]),
             ("unity", [0.0, 1.0, 0.0]),
             ("unreal", [0.0, 0.0, 1.0]),
         ] {

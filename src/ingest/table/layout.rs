@@ -1,6 +1,7 @@
 //! Where in the rows of a table the poses are.
 
-use super::units::TimeUnit;
+use super::turn::Turn;
+use super::units::{AngleUnit, TimeUnit};
 use crate::motion::LengthUnit;
 
 /// An error at a line of the text, from 1; 0 for the whole.
@@ -16,6 +17,15 @@ pub(super) fn fault<T>(line: usize, message: impl Into<String>) -> Result<T, Fau
         line,
         message: message.into(),
     })
+}
+
+/// A cell as part of a message, and no more of it than one reads.
+pub(super) fn shown(cell: &str) -> String {
+    const SHOWN: usize = 40;
+    match cell.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{:?}…", &cell[..end]),
+        None => format!("{cell:?}"),
+    }
 }
 
 /// Order of a quaternion's four numbers where the names of their columns do not say it.
@@ -35,22 +45,25 @@ impl QuaternionOrder {
             Self::Wxyz => "w, x, y, z",
         }
     }
+
+    /// The columns of x, y, z and w, where four follow each other in this order.
+    pub(super) fn columns(self, [a, b, c, d]: [usize; 4]) -> [usize; 4] {
+        match self {
+            Self::Wxyz => [b, c, d, a],
+            Self::Xyzw => [a, b, c, d],
+        }
+    }
 }
 
-/// What three angles mean.
+/// Columns of three angles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Turn {
-    /// A rotation vector: axis times angle (Vicon: helical).
-    Vector,
-    /// Turns about the body's own x, then y, then z axis: `R = Rx·Ry·Rz`.
-    EulerXyz,
-}
-
-/// Unit of angles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum AngleUnit {
-    Radian,
-    Degree,
+pub(super) struct Angles {
+    /// About x, y and z.
+    pub(super) columns: [usize; 3],
+    /// Their unit, where it is stated.
+    pub(super) unit: Option<AngleUnit>,
+    /// What they mean, where it is stated or follows from their names.
+    pub(super) turn: Option<&'static Turn>,
 }
 
 /// Columns of an orientation.
@@ -59,7 +72,9 @@ pub(super) enum Orientation {
     /// Of x, y, z and w.
     Quaternion([usize; 4]),
     /// Of three angles.
-    Angles([usize; 3], AngleUnit),
+    Angles(Angles),
+    /// Of a matrix, row by row.
+    Matrix([usize; 9]),
     /// None: a point is all that is seen.
     Unseen,
 }
@@ -94,6 +109,27 @@ pub(super) enum TimeColumns {
     Row,
 }
 
+impl TimeColumns {
+    /// The column that is not a time where a row has none.
+    pub(super) fn first(self) -> Option<usize> {
+        match self {
+            Self::One(column, _) | Self::Two(column, _) => Some(column),
+            Self::Row => None,
+        }
+    }
+}
+
+/// A column that says whether a row's pose was seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SeenColumn {
+    /// Zero or `false` where it was not.
+    Tracked(usize),
+    /// Anything else where it was not.
+    Lost(usize),
+    /// A residual, below zero where it was not.
+    Residual(usize),
+}
+
 /// Columns of a body's poses.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct BodyColumns {
@@ -101,6 +137,18 @@ pub(super) struct BodyColumns {
     pub(super) name: Option<String>,
     pub(super) position: [usize; 3],
     pub(super) orientation: Orientation,
+    /// What says whether it was seen.
+    pub(super) seen: Vec<SeenColumn>,
+}
+
+/// A mark that a table has in its head.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct HeadMark {
+    pub(super) name: String,
+    /// The number of its frame, from 1,
+    pub(super) frame: String,
+    /// and its time \[s\].
+    pub(super) time: String,
 }
 
 /// What a table's head says.
@@ -120,10 +168,48 @@ pub(super) struct Layout {
     pub(super) preset: Option<&'static str>,
     /// Names of the columns that are not read.
     pub(super) unread: Vec<String>,
+    /// Names of other columns that may be times.
+    pub(super) other_times: Vec<String>,
     /// Whether the order of quaternions is said by the names of their columns; otherwise it is among what to know.
     pub(super) is_order_named: bool,
     /// What to know.
     pub(super) notes: Vec<String>,
+    /// What speaks against reading it so.
+    pub(super) against: Vec<String>,
     /// Whether the table ends at a row that begins without a number.
     pub(super) is_section: bool,
+    /// Whether lines may end where all further cells are empty.
+    pub(super) is_ragged: bool,
+    /// Whether a position of zeros is not seen, by the rules of the format.
+    pub(super) is_zero_unseen: bool,
+    /// Marks of the head.
+    pub(super) marks: Vec<HeadMark>,
+}
+
+impl Layout {
+    /// A layout of which nothing is known but where time and bodies are.
+    pub(super) fn plain(
+        kind: impl Into<String>,
+        time: TimeColumns,
+        bodies: Vec<BodyColumns>,
+    ) -> Self {
+        Self {
+            kind: kind.into(),
+            time,
+            bodies,
+            body_name: None,
+            length: None,
+            rate_hz: None,
+            preset: None,
+            unread: Vec::new(),
+            other_times: Vec::new(),
+            is_order_named: false,
+            notes: Vec::new(),
+            against: Vec::new(),
+            is_section: false,
+            is_ragged: false,
+            is_zero_unseen: false,
+            marks: Vec::new(),
+        }
+    }
 }

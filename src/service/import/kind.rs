@@ -4,16 +4,73 @@ use std::path::Path;
 
 use anyhow::bail;
 
+use crate::ingest::table::{TableText, table_text};
+
 /// Longest line of a table: a thousand bodies and more.
 const LINE_BYTES: usize = 1 << 20;
 
 /// A file that can be read.
 pub(super) enum Kind {
     /// A text: a table.
-    Table(String),
+    Table(TableText),
     /// MCAP.
     Recording(Vec<u8>),
 }
+
+/// A format that is known and not read: its first bytes, what it is, and what to do.
+struct Other {
+    begins: &'static [u8],
+    is: &'static str,
+    next: &'static str,
+}
+
+const fn other(begins: &'static [u8], is: &'static str, next: &'static str) -> Other {
+    Other { begins, is, next }
+}
+
+const OTHERS: [Other; 9] = [
+    other(
+        b"HIERARCHY",
+        "BVH, joint angles of a skeleton",
+        "poses of rigid bodies: export them as CSV with quaternions",
+    ),
+    other(
+        b"\x1f\x8b",
+        "gzip",
+        "a table: gunzip -c FILE | enact import - -o OUT.mcap reads what is in it",
+    ),
+    other(
+        b"\x28\xb5\x2f\xfd",
+        "zstd",
+        "a table: zstd -dc FILE | enact import - -o OUT.mcap reads what is in it",
+    ),
+    other(
+        b"PK\x03\x04",
+        "a ZIP archive or an Excel workbook",
+        "a table: unpack it, or save the sheet as CSV",
+    ),
+    other(
+        b"\xd0\xcf\x11\xe0",
+        "an old Excel workbook",
+        "a table: save the sheet as CSV",
+    ),
+    other(
+        b"\x89HDF",
+        "HDF5",
+        "a table: write the poses as CSV, for example with pandas' to_csv",
+    ),
+    other(
+        b"\x93NUMPY",
+        "an array of NumPy",
+        "a table: write it with numpy.savetxt",
+    ),
+    other(b"PAR1", "Parquet", "a table: write it with pandas' to_csv"),
+    other(
+        b"Kaydara FBX",
+        "FBX",
+        "a table: export poses of rigid bodies as CSV with quaternions",
+    ),
+];
 
 /// The kind of a file. Fails for what is neither, and says how to get there.
 pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
@@ -43,12 +100,6 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
             beside.display()
         );
     }
-    if bytes.starts_with(b"HIERARCHY") {
-        bail!(
-            "{shown}: is BVH, joint angles of a skeleton, expected poses of rigid bodies: export them as \
-             CSV with quaternions"
-        );
-    }
     // The number of the block of parameters, then the key of the format.
     if matches!(bytes[..], [1..=31, 0x50, ..]) {
         bail!(
@@ -56,8 +107,11 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
              quaternions, or markers as CSV with marker, t, x, y, z (docs/import.md has lines that do it)"
         );
     }
+    if let Some(other) = OTHERS.iter().find(|other| bytes.starts_with(other.begins)) {
+        bail!("{shown}: is {}, expected {}", other.is, other.next);
+    }
     if bytes.is_empty() {
-        bail!("{shown}: is empty, expected a table of poses or MCAP");
+        bail!("{shown}: is empty, expected a table of poses or MCAP: export it again");
     }
     if let Some(line) = long_line(&bytes) {
         bail!(
@@ -65,10 +119,16 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
             LINE_BYTES >> 10
         );
     }
-    match String::from_utf8(bytes) {
-        Ok(text) if !text.contains('\0') => Ok(Kind::Table(text)),
-        _ => bail!(
-            "{shown}: is neither UTF-8 text nor MCAP, expected one of them: a table of poses, or a \
+    if bytes.trim_ascii_start().starts_with(b"{") || bytes.trim_ascii_start().starts_with(b"[{") {
+        bail!(
+            "{shown}: is JSON, expected a table: write a line per pose with t, x, y, z, qx, qy, qz, qw under a line of \
+             these names"
+        );
+    }
+    match table_text(bytes) {
+        Some(text) => Ok(Kind::Table(text)),
+        None => bail!(
+            "{shown}: is neither text nor MCAP, expected one of them: a table of poses as CSV, or a \
              recording"
         ),
     }

@@ -4,8 +4,8 @@
 use nalgebra::Vector3;
 
 use super::names::Named;
-use crate::ingest::table::PRESETS;
-use crate::motion::{Fall, Holds, LengthUnit, PoseSample, falls};
+use crate::ingest::table::{Preset, held_poses, length_name};
+use crate::motion::{Fall, Holds, LengthUnit, PoseSample, Scene, Timing, falls};
 
 /// Gravity \[m/s²\]; what is near it by [`NEAR`] counts.
 const GRAVITY_M_S2: f64 = 9.81;
@@ -18,6 +18,14 @@ const FLIGHT_SAMPLES: usize = 9;
 const AGAINST_SAMPLES: usize = 12;
 /// Rooms with trackers are between these \[m\].
 const SPAN_M: [f64; 2] = [0.005, 50.0];
+/// No hand and no throw has a greater median speed \[m/s\].
+const SPEED_MAX_M_S: f64 = 50.0;
+/// So many poses in a row that are the very one before are held,
+const HELD_SAMPLES: usize = 10;
+/// and more than this share of all.
+const HELD_SHARE: f64 = 0.3;
+/// Presets that differ in which axis is up.
+const AXES: [&str; 5] = ["z-up", "y-up", "x-up", "camera", "ned"];
 /// Greatest deviation of a quaternion's norm from 1 that rounding explains.
 const NORM_LIMIT: f64 = 0.01;
 const UNITS: [LengthUnit; 5] = [
@@ -49,11 +57,54 @@ impl Told {
     }
 }
 
+/// How things fall, as the scene says or everywhere.
+#[derive(Clone, Copy, Debug)]
+struct Gravity {
+    down: Vector3<f64>,
+    size_m_s2: f64,
+    /// Whether nobody has said that times are real: of a motion acted slower nothing follows.
+    is_tempo_possible: bool,
+}
+
+impl Gravity {
+    /// Of a scene, or everywhere; `None` where stamps are those of acting, or nothing falls.
+    fn of(scene: Option<&Scene>) -> Option<Self> {
+        let Some(scene) = scene else {
+            return Some(Self {
+                down: -Vector3::z(),
+                size_m_s2: GRAVITY_M_S2,
+                is_tempo_possible: true,
+            });
+        };
+        let size_m_s2 = scene.gravity_m_s2.norm();
+        let is_acted = matches!(scene.timing, Timing::Unknown { .. });
+        (!is_acted && size_m_s2 > 0.0).then(|| Self {
+            down: scene.gravity_m_s2 / size_m_s2,
+            size_m_s2,
+            is_tempo_possible: false,
+        })
+    }
+
+    fn tilt_rad(&self, acceleration: &Vector3<f64>) -> f64 {
+        acceleration
+            .normalize()
+            .dot(&self.down)
+            .clamp(-1.0, 1.0)
+            .acos()
+    }
+}
+
 /// What the samples of a body tell, which are in order of time.
-pub(super) fn told(named: &Named, samples: &[&PoseSample]) -> Told {
+pub(super) fn told(named: &Named, samples: &[&PoseSample], scene: Option<&Scene>) -> Told {
     let mut told = Told::default();
     let name = &named.name;
-    rate(name, samples, &mut told);
+    let of_name = |lines: &[String]| -> Vec<String> {
+        lines.iter().map(|line| format!("{name}: {line}")).collect()
+    };
+    told.against.extend(of_name(&named.body.against));
+    told.notes.extend(of_name(&named.body.notes));
+    rate(samples, &mut told);
+    held(name, samples, &mut told);
     if samples.iter().any(|sample| sample.holds == Holds::Pose) {
         norms(name, samples, &mut told);
     }
@@ -69,15 +120,22 @@ pub(super) fn told(named: &Named, samples: &[&PoseSample]) -> Told {
             places.push(place);
         }
     }
-    // Were lengths in another unit, gravity would be as many times too great.
+    speed(named, &times_s, &points, &mut told);
+    let Some(gravity) = Gravity::of(scene) else {
+        size(named, &points, &mut told);
+        return told;
+    };
+    // Were lengths in another unit, gravity would be as many times too great. What does not fall down is a
+    // hand's swing, whatever its size.
     let taken = named.table.length;
     let factor = |unit: LengthUnit| taken.length_m() / unit.length_m();
     let unit_of = |acceleration: &Vector3<f64>, sd: f64| {
         UNITS.into_iter().find(|unit| {
-            let expected = GRAVITY_M_S2 * factor(*unit);
+            let expected = gravity.size_m_s2 * factor(*unit);
             // What is read too small says nothing: hands have small accelerations too.
             factor(*unit) >= 1.0
                 && (acceleration.norm() - expected).abs() <= NEAR * expected + 3.0 * sd
+                && (*unit == taken || gravity.tilt_rad(acceleration) <= TILT_RAD)
         })
     };
     let found = falls(&times_s, &points, |a, sd| unit_of(a, sd).is_some());
@@ -85,13 +143,13 @@ pub(super) fn told(named: &Named, samples: &[&PoseSample]) -> Told {
     if let Some(longest) = longest.filter(|fall| fall.samples.len() >= FLIGHT_SAMPLES)
         && let Some(unit) = unit_of(&longest.acceleration, longest.acceleration_sd)
     {
-        fall(
-            named,
-            longest,
+        let begin_s = times_s[longest.samples.start];
+        let flight = Flight {
+            fall: longest,
             unit,
-            times_s[longest.samples.start],
-            &mut told,
-        );
+            begin_s,
+        };
+        fall(named, &flight, &gravity, &mut told);
         let is_of_unit =
             |fall: &Fall| unit_of(&fall.acceleration, fall.acceleration_sd) == Some(unit);
         let of_unit = found.iter().filter(|fall| is_of_unit(fall));
@@ -107,27 +165,45 @@ pub(super) fn told(named: &Named, samples: &[&PoseSample]) -> Told {
     told
 }
 
+/// A flight, the unit that its fall would have, and when it begins.
+struct Flight<'a> {
+    fall: &'a Fall,
+    unit: LengthUnit,
+    begin_s: f64,
+}
+
 /// What a flight tells of axes and units.
-fn fall(named: &Named, fall: &Fall, unit: LengthUnit, begin_s: f64, told: &mut Told) {
+fn fall(named: &Named, flight: &Flight, gravity: &Gravity, told: &mut Told) {
     let (name, preset) = (&named.name, named.table.preset);
+    let (fall, unit) = (flight.fall, flight.unit);
     let down = fall.acceleration.normalize();
     let size = fall.acceleration.norm();
     let samples = fall.samples.len();
-    let flight = format!("{name}: a flight of {samples} samples from {begin_s:.3} s");
+    let flight = format!(
+        "{name}: a flight of {samples} samples from {:.3} s",
+        flight.begin_s
+    );
     if unit != named.table.length && samples >= AGAINST_SAMPLES {
+        let tempo = match gravity.is_tempo_possible {
+            true => {
+                "; where the motion was acted slower than it is, this tells nothing: say --scene, or the unit"
+            }
+            false => "",
+        };
         told.against.push(format!(
-            "{flight} falls at {size:.4} m/s²: positions are in {}, not in {}; expected --length-unit {}",
+            "{flight} falls at {size:.4} m/s²: positions are in {}, not in {}; expected --length-unit {}{tempo}",
             word(unit),
             word(named.table.length),
-            short(unit)
+            length_name(unit)
         ));
     }
-    let tilt_rad = down.dot(&-Vector3::z()).clamp(-1.0, 1.0).acos();
+    let tilt_rad = gravity.tilt_rad(&fall.acceleration);
     if tilt_rad <= TILT_RAD {
         if unit == named.table.length {
             told.notes.push(format!(
-                "{flight} falls down, at {size:.2} m/s², {:.1}° from −z: axes and units agree with it",
-                tilt_rad.to_degrees()
+                "{flight} falls down, at {size:.2} m/s², {:.1}° from {}: axes and units agree with it",
+                tilt_rad.to_degrees(),
+                if gravity.down == -Vector3::z() { "−z" } else { "the scene's gravity" }
             ));
         }
         return;
@@ -136,10 +212,13 @@ fn fall(named: &Named, fall: &Fall, unit: LengthUnit, begin_s: f64, told: &mut T
     let along = down[axis].abs().clamp(0.0, 1.0).acos();
     let letter = ["x", "y", "z"][axis];
     let sign = if down[axis] < 0.0 { "−" } else { "+" };
-    let right = PRESETS[..3].iter().find(|other| {
-        let own = preset.undone(down.into());
-        Vector3::from(other.vector(own)).dot(&-Vector3::z()) > TILT_RAD.cos()
-    });
+    let right = AXES
+        .iter()
+        .filter_map(|name| Preset::named(name))
+        .find(|other| {
+            let own = preset.undone(down.into());
+            Vector3::from(other.vector(own)).dot(&gravity.down) > TILT_RAD.cos()
+        });
     match right.filter(|_| along <= TILT_RAD && samples >= AGAINST_SAMPLES) {
         Some(right) => told.against.push(format!(
             "{flight} falls along {sign}{letter} as read with {}; its world is {}: expected --from {}",
@@ -147,9 +226,56 @@ fn fall(named: &Named, fall: &Fall, unit: LengthUnit, begin_s: f64, told: &mut T
         )),
         // Of a body that hangs on another, that a hand moves, or that the tracker smooths.
         None => told.notes.push(format!(
-            "{flight} seems to fall {:.0}° from −z, which tells nothing of axes",
+            "{flight} seems to fall {:.0}° from down, which tells nothing of axes",
             tilt_rad.to_degrees()
         )),
+    }
+}
+
+/// What poses tell that are the very one before.
+fn held(name: &str, samples: &[&PoseSample], told: &mut Told) {
+    let held = held_poses(samples);
+    if held.count == 0 {
+        return;
+    }
+    let from_s = samples[held.longest_from]
+        .stamp
+        .seconds_since(samples[0].stamp);
+    let said = format!(
+        "{name}: {} of {} poses are exactly the one before, up to {} in a row (from {from_s:.3} s)",
+        held.count,
+        samples.len(),
+        held.longest
+    );
+    let is_many = held.count as f64 > HELD_SHARE * samples.len() as f64;
+    if is_many || held.longest >= HELD_SAMPLES {
+        told.against.push(format!(
+            "{said}: a tracker that holds what it lost, or rows that are more than its readings? They are kept; expected \
+             rows without them, or a part without them by --start and --end"
+        ));
+    } else {
+        told.notes.push(said);
+    }
+}
+
+/// What the median speed tells: no hand and no throw goes on so fast.
+fn speed(named: &Named, times_s: &[f64], points: &[Vector3<f64>], told: &mut Told) {
+    let steps = times_s.windows(2).zip(points.windows(2));
+    let mut speeds_m_s: Vec<f64> = steps
+        .map(|(times, places)| (places[1] - places[0]).norm() / (times[1] - times[0]))
+        .collect();
+    if speeds_m_s.len() < FLIGHT_SAMPLES {
+        return;
+    }
+    let middle = speeds_m_s.len() / 2;
+    let median_m_s = *speeds_m_s.select_nth_unstable_by(middle, f64::total_cmp).1;
+    if median_m_s > SPEED_MAX_M_S {
+        told.against.push(format!(
+            "{}: it moves at {median_m_s:.0} m/s in the median, in {} and with these times; expected --length-unit, \
+             --time-unit or --rate for others",
+            named.name,
+            word(named.table.length)
+        ));
     }
 }
 
@@ -175,20 +301,15 @@ fn size(named: &Named, points: &[Vector3<f64>], told: &mut Told) {
     }
 }
 
-fn rate(name: &str, samples: &[&PoseSample], told: &mut Told) {
+fn rate(samples: &[&PoseSample], told: &mut Told) {
     let intervals = samples.windows(2);
     let mut intervals_s: Vec<f64> = intervals
         .map(|pair| pair[1].stamp.seconds_since(pair[0].stamp))
+        .filter(|interval_s| *interval_s > 0.0)
         .collect();
     intervals_s.sort_by(f64::total_cmp);
-    let median_s = intervals_s.get(intervals_s.len() / 2).copied();
-    told.rate_hz = median_s.filter(|of| *of > 0.0).map(|of| 1.0 / of);
-    let equal = intervals_s.iter().filter(|of| **of == 0.0).count();
-    if equal > 0 {
-        told.notes.push(format!(
-            "{name}: {equal} poses have the time of the one before"
-        ));
-    }
+    let median_s = intervals_s.get(intervals_s.len() / 2);
+    told.rate_hz = median_s.map(|of| 1.0 / of);
 }
 
 fn norms(name: &str, samples: &[&PoseSample], told: &mut Told) {
@@ -216,15 +337,5 @@ fn word(unit: LengthUnit) -> &'static str {
         LengthUnit::Inch => "inches",
         LengthUnit::Foot => "feet",
         LengthUnit::Metre => "metres",
-    }
-}
-
-fn short(unit: LengthUnit) -> &'static str {
-    match unit {
-        LengthUnit::Millimetre => "mm",
-        LengthUnit::Centimetre => "cm",
-        LengthUnit::Inch => "in",
-        LengthUnit::Foot => "ft",
-        LengthUnit::Metre => "m",
     }
 }
