@@ -13,6 +13,7 @@ use serde::Serialize;
 use super::output::{refuse_present, write_new_file};
 use super::working::Working;
 use crate::config::{Calibration, scene_calibrated};
+use crate::ingest::regular;
 
 /// What of a recording is looked at.
 #[derive(Clone, Debug, Default)]
@@ -171,8 +172,7 @@ pub fn calibrate_scene(job: &CalibrateSceneJob) -> anyhow::Result<SceneCalibrate
         refuse_present(output)?;
     }
     let scene = job.scene.display().to_string();
-    let text =
-        std::fs::read_to_string(&job.scene).with_context(|| format!("{scene}: cannot read"))?;
+    let text = regular::read_text(&job.scene).with_context(|| format!("{scene}: cannot read"))?;
     let mut against = Vec::new();
     let mut calibrations = Vec::new();
     for path in &job.calibrations {
@@ -212,7 +212,7 @@ pub fn calibrate_scene(job: &CalibrateSceneJob) -> anyhow::Result<SceneCalibrate
 /// Reads a calibration file.
 fn calibration(path: &Path) -> anyhow::Result<Calibration> {
     let file = path.display().to_string();
-    let text = std::fs::read_to_string(path).with_context(|| format!("{file}: cannot read"))?;
+    let text = regular::read_text(path).with_context(|| format!("{file}: cannot read"))?;
     let read = Calibration::from_toml(&text);
     read.map_err(|error| match error {
         crate::config::CalibrationError::File(error) => error.in_file(file).into(),

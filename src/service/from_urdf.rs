@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::output::{refuse_present, write_new_file};
 use super::provenance::made_by;
 use crate::config::scene_from_urdf;
+use crate::ingest::regular;
 
 /// The input of [`from_urdf`].
 #[derive(Clone, Debug)]
@@ -47,8 +48,7 @@ pub fn from_urdf(job: &FromUrdfJob) -> anyhow::Result<UrdfImported> {
         .output
         .clone()
         .unwrap_or_else(|| job.input.with_extension("toml"));
-    let text =
-        std::fs::read_to_string(&job.input).with_context(|| format!("{path}: cannot read"))?;
+    let text = regular::read_text(&job.input).with_context(|| format!("{path}: cannot read"))?;
     let made = scene_from_urdf(&text).map_err(|error| error.in_file(path.to_string()))?;
     refuse_present(&output)?;
     write_new_file(&output, made_by(&job.command, &made.toml).as_bytes())?;

@@ -17,7 +17,7 @@ use super::mark::{check_event, stamp_of};
 use super::working::Working;
 use crate::config::scene_from_toml;
 use crate::ingest::table::{PoseTable, TableOptions, read_table};
-use crate::ingest::{ListedMark, Recording, SCENE_NAME, read_whole};
+use crate::ingest::{ListedMark, Recording, SCENE_NAME, read_whole, regular};
 use crate::motion::{Holds, Mark, PoseSample, Scene, Sees, Stamp};
 use crate::write::{DEFAULT_WORLD_FRAME, RecordingWriter, write_part};
 
@@ -146,7 +146,7 @@ pub fn import(job: &ImportJob) -> anyhow::Result<Imported> {
 }
 
 fn read_scene(file: &Path) -> anyhow::Result<(Scene, String)> {
-    let text = std::fs::read_to_string(file)
+    let text = regular::read_text(file)
         .with_context(|| format!("{}: cannot read the scene", file.display()))?;
     let scene =
         scene_from_toml(&text).map_err(|error| error.in_file(file.display().to_string()))?;

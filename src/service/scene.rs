@@ -10,6 +10,7 @@ use super::provenance::made_by;
 use crate::config::{
     BodyCheck, MeshFormat, NewObject, NewScene, SceneCheck, check_scene, new_scene, scene_from_toml,
 };
+use crate::ingest::regular;
 
 /// The input of [`make_scene`].
 #[derive(Clone, Debug)]
@@ -69,7 +70,7 @@ pub fn make_scene(job: &NewSceneJob) -> anyhow::Result<NewSceneMade> {
                 ),
             };
             let bytes =
-                std::fs::read(path).with_context(|| format!("{}: cannot read", job.object))?;
+                regular::read(path).with_context(|| format!("{}: cannot read", job.object))?;
             let stem = path.file_stem().and_then(|stem| stem.to_str());
             NewObject::Mesh {
                 name: stem.unwrap_or("body").to_owned(),
@@ -117,7 +118,7 @@ pub fn make_scene(job: &NewSceneJob) -> anyhow::Result<NewSceneMade> {
 /// What the scene in a file means. Fails where the scene is refused.
 pub fn look_at_scene(path: &Path) -> anyhow::Result<SceneCheck> {
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path).with_context(|| format!("{name}: cannot read"))?;
+    let text = regular::read_text(path).with_context(|| format!("{name}: cannot read"))?;
     let scene = scene_from_toml(&text).map_err(|error| error.in_file(name))?;
     Ok(check_scene(&scene))
 }

@@ -3,6 +3,8 @@
 use std::io::Read as _;
 use std::path::Path;
 
+use super::regular;
+
 /// Whether a name stands for stdin, or of an output for stdout.
 pub fn is_pipe(path: &Path) -> bool {
     path == Path::new("-")
@@ -11,7 +13,7 @@ pub fn is_pipe(path: &Path) -> bool {
 /// The bytes of a file, or of stdin.
 pub fn read_whole(path: &Path) -> std::io::Result<Vec<u8>> {
     if !is_pipe(path) {
-        return std::fs::read(path);
+        return regular::read(path);
     }
     let mut bytes = Vec::new();
     std::io::stdin().lock().read_to_end(&mut bytes)?;

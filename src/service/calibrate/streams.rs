@@ -8,7 +8,7 @@ use super::super::finish::{attached_scene, lost, warnings};
 use super::CalibrateChoice;
 use crate::calibrate::Stream;
 use crate::config::{SourceLine, scene_from_toml};
-use crate::ingest::Recording;
+use crate::ingest::{Recording, regular};
 use crate::motion::{PoseSample, Scene, Sees, Stamp, TakeEvent, Track, TrackIndex};
 
 /// Scenes with one and two trackers, by which recordings are read; topics are put in.
@@ -97,7 +97,7 @@ pub(super) fn read(
     let file = path.display().to_string();
     let scene = match &choice.scene {
         Some(file) => {
-            let text = std::fs::read_to_string(file)
+            let text = regular::read_text(file)
                 .with_context(|| format!("{}: cannot read the scene", file.display()))?;
             let scene = scene_from_toml(&text);
             Some(scene.map_err(|error| error.in_file(file.display().to_string()))?)

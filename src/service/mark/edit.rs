@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::ingest::{ListedMark, MarkTime, marks_of_file};
+use crate::ingest::{ListedMark, MarkTime, marks_of_file, regular};
 use crate::motion::{Mark, Scene, Stamp};
 use crate::service::finish::Opened;
 
@@ -102,7 +102,7 @@ pub(super) fn edited(
     };
     let replaced: Option<Vec<Placed>> = match (&edits.from_file, &edits.from_topic) {
         (Some(file), _) => {
-            let text = std::fs::read_to_string(file)
+            let text = regular::read_text(file)
                 .with_context(|| format!("{}: cannot read the marks", file.display()))?;
             let listed = marks_of_file(file, &text)?;
             Some(listed.iter().map(new).collect::<Result<_, _>>()?)
