@@ -10,6 +10,7 @@ use crate::ingest::live::{
     ANSWER_SERVICE, CONTROL_SERVICE, ESTIMATE_SERVICE, LABEL_SERVICE, TAKE_SERVICE, running_daemon,
     service_name, stream_topics, topic_of_service,
 };
+use crate::ingest::regular;
 use crate::motion::Scene;
 use crate::write::{abandoned, topics};
 
@@ -76,7 +77,7 @@ pub fn doctor(job: &DoctorJob) -> anyhow::Result<Vec<Finding>> {
     }
     room("/dev/shm", Path::new("/dev/shm"), MEMORY_BYTES, &mut say);
     if let Some(path) = &job.scene {
-        let text = std::fs::read_to_string(path)
+        let text = regular::read_text(path)
             .map_err(|error| anyhow::anyhow!("{}: cannot read: {error}", path.display()))?;
         let in_file = |error: crate::config::SceneError| error.in_file(path.display().to_string());
         let (scene, settings) = capture_from_toml(&text).map_err(in_file)?;
@@ -170,7 +171,7 @@ fn services_of(scene: &Scene) -> Vec<(String, &'static str)> {
         .map(|stream| (service_name(&stream.topic), "enact.Pose.1"))
         .collect();
     services.push((service_name(&scene.marks_topic), "enact.Mark.1"));
-    services.push((CONTROL_SERVICE.to_owned(), "enact.Control.1"));
+    services.push((CONTROL_SERVICE.to_owned(), "enact.Control.2"));
     services.push((TAKE_SERVICE.to_owned(), "enact.Take.1"));
     services.push((LABEL_SERVICE.to_owned(), "enact.Label.1"));
     services.push((ANSWER_SERVICE.to_owned(), "enact.Answer.1"));
