@@ -18,7 +18,7 @@ use super::finish::{check_distinct, lost, open, warnings};
 use super::output::write_file;
 use super::working::Working;
 use crate::config::{scene_from_toml, sketch_from_csv, sketch_from_toml};
-use crate::ingest::SCENE_NAME;
+use crate::ingest::{SCENE_NAME, regular};
 use crate::motion::{Scene, SketchRow, Stamp};
 use crate::write::{RecordingWriter, csv_of_sketch, toml_of_sketch};
 
@@ -119,12 +119,11 @@ fn write(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched>
     let Some(scene_file) = &job.scene else {
         bail!("{path}: expected --scene FILE, which says what the bodies and events are");
     };
-    let scene_toml = std::fs::read_to_string(scene_file)
+    let scene_toml = regular::read_text(scene_file)
         .with_context(|| format!("{}: cannot read the scene", scene_file.display()))?;
     let scene = scene_from_toml(&scene_toml)
         .map_err(|error| error.in_file(scene_file.display().to_string()))?;
-    let text =
-        std::fs::read_to_string(&job.input).with_context(|| format!("{path}: cannot read"))?;
+    let text = regular::read_text(&job.input).with_context(|| format!("{path}: cannot read"))?;
     let rows = match kind {
         Kind::Csv => sketch_from_csv(&text, &scene),
         _ => sketch_from_toml(&text, &scene),
@@ -193,6 +192,7 @@ fn read(job: &SketchJob, output: &Path, kind: Kind, working: &Working) -> anyhow
                 motion
             } else {
                 Motion::acted(scene, &take.events)
+                    .with_context(|| job.input.display().to_string())?
             };
             (motion.rows(scene, job.density)?, notes)
         }
