@@ -10,7 +10,7 @@ use super::refusal::Refusal;
 use super::stopwatch::Stopwatch;
 use super::working::Working;
 use crate::config::scene_from_toml;
-use crate::ingest::{Recording, SCENE_NAME, TakeReport, is_pipe, listed};
+use crate::ingest::{Recording, SCENE_NAME, TakeReport, is_pipe, listed, regular};
 use crate::motion::{Phase, Scene};
 use crate::pipeline::{Outcome, Pipeline};
 use crate::report::{Circumstances, RecordingReport, Reported};
@@ -70,7 +70,7 @@ pub(super) fn opened(
 ) -> anyhow::Result<Opened> {
     let (scene, scene_toml) = match scene_file {
         Some(file) => {
-            let text = std::fs::read_to_string(file)
+            let text = regular::read_text(file)
                 .with_context(|| format!("{}: cannot read the scene", file.display()))?;
             let scene = scene_from_toml(&text)
                 .map_err(|error| error.in_file(file.display().to_string()))?;
@@ -163,11 +163,15 @@ pub(super) fn finished(
 ) -> anyhow::Result<(RecordingReport, Outcome)> {
     let recording = &opened.recording;
     opened.deadline.check(recording.path())?;
-    let mut stopwatch = Stopwatch::start(opened.deadline, working);
+    let deadline = opened.deadline.with_time_to_write();
+    let mut stopwatch = Stopwatch::start(deadline, working);
     let outcome = pipeline
         .finish(&mut stopwatch)
         .map_err(|error| Refusal::new(pipeline, error))
         .with_context(|| recording.path().display().to_string())?;
+    if opened.deadline.is_told() {
+        opened.deadline.check(recording.path())?;
+    }
     let ended_early = stopwatch.has_ended_it();
     let (whole_seconds, phase_seconds) = stopwatch.stop();
     let is_after = |phase: &Phase| {
