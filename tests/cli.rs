@@ -341,7 +341,7 @@ fn files_that_are_no_recordings_are_refused() {
     fs::remove_file(bench.path("take.mcap")).unwrap();
     bench.refuses(&[], "take.mcap: cannot read: No such file");
     fs::create_dir(bench.path("take.mcap")).unwrap();
-    bench.refuses(&[], "take.mcap: cannot read: Is a directory");
+    bench.refuses(&[], "take.mcap: cannot read: it is a folder");
 }
 
 #[test]
