@@ -24,7 +24,7 @@ mod survey;
 pub mod table;
 
 pub use crate::wire::container::{Digest, digest};
-pub use crate::wire::{is_pipe, read_text, read_whole};
+pub use crate::wire::{is_pipe, read_text, read_whole, regular};
 pub use error::{IngestError, listed};
 pub use mark_list::{ListedMark, MarkTime, marks_of_file};
 pub use marks::MarkMessage;

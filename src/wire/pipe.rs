@@ -6,6 +6,8 @@ use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result, Seek};
 use std::path::Path;
 
+use super::regular;
+
 /// Most bytes of what does not begin as a recording, or comes through a pipe: a gibibyte.
 const UNKNOWN_BYTES: u64 = 1 << 30;
 
@@ -22,7 +24,7 @@ pub fn is_pipe(path: &Path) -> bool {
 
 /// The bytes of a file, or of stdin.
 ///
-/// Fails for a device, and for more than a gibibyte from a pipe or of what does not begin as a recording.
+/// Fails for what is no regular file, and for more than a gibibyte from a pipe or of what does not begin as a recording.
 pub fn read_whole(path: &Path) -> Result<Vec<u8>> {
     if is_pipe(path) {
         return read_all(std::io::stdin().lock(), 0, UNKNOWN_BYTES);
@@ -43,7 +45,7 @@ pub fn read_whole(path: &Path) -> Result<Vec<u8>> {
 
 /// The text of a file.
 ///
-/// Fails for a device, for more than 64 MiB, and for what is no UTF-8.
+/// Fails for what is no regular file, for more than 64 MiB, and for what is no UTF-8.
 pub fn read_text(path: &Path) -> Result<String> {
     let (file, length) = opened(path)?;
     let bytes = read_all(&file, length.min(TEXT_BYTES), TEXT_BYTES)?;
@@ -52,28 +54,9 @@ pub fn read_text(path: &Path) -> Result<String> {
 
 /// The file, and how long it says it is.
 fn opened(path: &Path) -> Result<(File, u64)> {
-    // What is no file may have to be waited for, and a device has no end.
-    let found = std::fs::metadata(path)?;
-    if is_device(&found) {
-        return Err(Error::new(
-            ErrorKind::InvalidInput,
-            "it is a device, expected a file",
-        ));
-    }
-    let file = File::open(path)?;
+    let file = regular::open(path)?;
     let length = file.metadata()?.len();
     Ok((file, length))
-}
-
-#[cfg(unix)]
-fn is_device(found: &std::fs::Metadata) -> bool {
-    use std::os::unix::fs::FileTypeExt;
-    found.file_type().is_char_device() || found.file_type().is_block_device()
-}
-
-#[cfg(not(unix))]
-fn is_device(_: &std::fs::Metadata) -> bool {
-    false
 }
 
 /// All of it, for which so much is kept at first.
@@ -128,7 +111,7 @@ mod tests {
             read_text(Path::new("/dev/zero")).map(|_| ()),
         ] {
             let error = read.expect_err("a device").to_string();
-            assert!(error.contains("is a device"), "{error}");
+            assert!(error.contains("a device"), "{error}");
         }
     }
 

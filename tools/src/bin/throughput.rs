@@ -48,7 +48,7 @@ fn estimate() -> Estimate {
         verdict: Verdict::Physical,
         reason: End::Converged(Progress::default()).into(),
         doubts: Vec::new(),
-        fit: None,
+        fit: Err(FitUntold::NotAsked),
         suspects: Vec::new(),
         objective: 0.0,
         gravity_m_s2: Vector3::new(0.0, 0.0, -9.80665),
