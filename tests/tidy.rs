@@ -11,6 +11,8 @@ use std::path::Path;
 
 #[path = "tidy/circles.rs"]
 mod circles;
+#[path = "tidy/opens.rs"]
+mod opens;
 #[path = "tidy/tokens.rs"]
 mod tokens;
 #[path = "tidy/uses.rs"]
@@ -229,6 +231,7 @@ fn violations(files: &[File]) -> Vec<String> {
         check_imports(file, &code, &mut found);
         check_doors(file, &code, &mut found);
         check_core(file, &code, &mut found);
+        opens::check(file, &code, &mut found);
         check_mod(file, &code, &mut found);
         check_names(file, &code, &mut found);
         importers.push(Importer {
@@ -578,6 +581,11 @@ fn planted_violations_are_caught() {
             "src/segment/cut.rs",
             "type T = std::collections::HashMap<u8, u8>;",
             "HashMap in the core",
+        ),
+        (
+            "src/service/import.rs",
+            "fn f() { std::fs::read(\"x\"); }",
+            "fs::read past the door",
         ),
         (
             "src/motion/mod.rs",

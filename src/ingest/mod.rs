@@ -24,6 +24,7 @@ mod survey;
 pub mod table;
 
 pub use crate::wire::container::{Digest, digest};
+pub use crate::wire::regular;
 pub use crate::wire::{is_pipe, read_text, read_whole};
 pub use error::{IngestError, listed};
 pub use mark_list::{ListedMark, MarkTime, marks_of_file};

@@ -6,6 +6,8 @@ use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result, Seek};
 use std::path::Path;
 
+use super::regular;
+
 /// Most bytes of what does not begin as a recording, or comes through a pipe: a gibibyte.
 const UNKNOWN_BYTES: u64 = 1 << 30;
 
@@ -52,28 +54,9 @@ pub fn read_text(path: &Path) -> Result<String> {
 
 /// The file, and how long it says it is.
 fn opened(path: &Path) -> Result<(File, u64)> {
-    // What is no file may have to be waited for, and a device has no end.
-    let found = std::fs::metadata(path)?;
-    if is_device(&found) {
-        return Err(Error::new(
-            ErrorKind::InvalidInput,
-            "it is a device, expected a file",
-        ));
-    }
-    let file = File::open(path)?;
+    let file = regular::open(path)?;
     let length = file.metadata()?.len();
     Ok((file, length))
-}
-
-#[cfg(unix)]
-fn is_device(found: &std::fs::Metadata) -> bool {
-    use std::os::unix::fs::FileTypeExt;
-    found.file_type().is_char_device() || found.file_type().is_block_device()
-}
-
-#[cfg(not(unix))]
-fn is_device(_: &std::fs::Metadata) -> bool {
-    false
 }
 
 /// All of it, for which so much is kept at first.
@@ -128,7 +111,7 @@ mod tests {
             read_text(Path::new("/dev/zero")).map(|_| ()),
         ] {
             let error = read.expect_err("a device").to_string();
-            assert!(error.contains("is a device"), "{error}");
+            assert!(error.contains("a device, expected a regular file"), "{error}");
         }
     }
 

@@ -165,7 +165,7 @@ fn ports(node: &Node, service: &ServiceEntry) -> Option<(usize, usize)> {
     match service.payload.as_str() {
         "enact.Pose.1" => node.ports::<PoseRecord>(name),
         "enact.Mark.1" => node.ports::<MarkRecord>(name),
-        "enact.Control.1" => node.ports::<ControlRecord>(name),
+        "enact.Control.2" => node.ports::<ControlRecord>(name),
         "enact.Take.1" => node.ports::<TakeRecord>(name),
         "enact.Label.1" => node.ports::<LabelRecord>(name),
         "enact.Answer.1" => node.ports::<AnswerRecord>(name),
@@ -207,7 +207,7 @@ fn hidden(config: &Config, shown: &[String]) -> std::io::Result<Vec<HiddenServic
 
 /// The content of a service's file; `None` where the file has gone meanwhile.
 fn hidden_service(file: PathBuf) -> Option<HiddenService> {
-    let text = match std::fs::read_to_string(&file) {
+    let text = match super::super::pipe::read_text(&file) {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
         Err(error) => {

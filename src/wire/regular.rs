@@ -1,0 +1,74 @@
+//! The one door to files that are read: nothing is opened that is not a regular file.
+//!
+//! A pipe by name would be waited for, for good where nobody writes to it; a device may never end.
+
+use std::fs::{File, Metadata, OpenOptions};
+use std::io::{self, Read};
+use std::path::Path;
+
+/// Opens a file for reading; links are followed. Fails, at once, for what is no regular file.
+pub fn open(path: &Path) -> io::Result<File> {
+    open_with(OpenOptions::new().read(true), path)
+}
+
+/// Opens a file with these options, which must not make one. Fails, at once, for what is no regular file.
+pub fn open_with(options: &OpenOptions, path: &Path) -> io::Result<File> {
+    check(&std::fs::metadata(path)?)?;
+    let file = options.open(path)?;
+    // It may have been changed for another one meanwhile.
+    check(&file.metadata()?)?;
+    Ok(file)
+}
+
+/// The bytes of a regular file.
+pub fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open(path)?.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+fn check(of: &Metadata) -> io::Result<()> {
+    if of.is_file() {
+        return Ok(());
+    }
+    let what = if of.is_dir() {
+        return Err(io::Error::new(
+            io::ErrorKind::IsADirectory,
+            "it is a folder, expected a file",
+        ));
+    } else {
+        "it is a pipe or a device, expected a regular file; a recording may come by stdin, `-`"
+    };
+    Err(io::Error::new(io::ErrorKind::InvalidInput, what))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_read_and_nothing_else_is_waited_for() {
+        let folder = tempfile::tempdir().expect("folder");
+        let file = folder.path().join("a");
+        std::fs::write(&file, "text").expect("write");
+        assert_eq!(read(&file).expect("bytes"), b"text");
+        let error = open(folder.path()).expect_err("a folder");
+        assert_eq!(error.kind(), io::ErrorKind::IsADirectory);
+        let error = open(&folder.path().join("none")).expect_err("nothing");
+        assert_eq!(error.kind(), io::ErrorKind::NotFound);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn pipes_and_devices_are_refused_through_links_too() {
+        let folder = tempfile::tempdir().expect("folder");
+        let (pipe, link) = (folder.path().join("pipe"), folder.path().join("link"));
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        assert!(made.expect("mkfifo").success());
+        std::os::unix::fs::symlink(&pipe, &link).expect("link");
+        for path in [pipe.as_path(), &link, Path::new("/dev/zero")] {
+            let error = read(path).expect_err("no file").to_string();
+            assert!(error.contains("expected a regular file"), "{error}");
+        }
+    }
+}
