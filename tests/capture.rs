@@ -15,6 +15,8 @@ use enact::wire::live::{
 };
 use enact::write::TrackerPublisher;
 
+#[path = "capture/ends.rs"]
+mod ends;
 #[allow(dead_code)]
 #[path = "capture/harness.rs"]
 mod harness;
@@ -388,9 +390,15 @@ fn takes_follow_one_another_and_can_be_thrown_away() {
     let mut daemon = Daemon::start(&house, "config/pencil_tip.toml", &[]);
     let node = Node::join("director", Some(house.iceoryx2())).expect("node");
     let director = TrackerPublisher::open(&node, &[], "/marks").expect("publisher");
+    let token = house.token();
     let say = |command: u32, sequence: u64| {
         let command = Command::of(command).expect("command");
-        assert_eq!(director.control(command, 7, sequence, 0).expect("send"), 1);
+        assert_eq!(
+            director
+                .control(command, (7, sequence), 0, token)
+                .expect("send"),
+            1
+        );
     };
     say(2, 0);
     assert_eq!(daemon.wait_for("refused")["reason"], "no take runs");
@@ -422,8 +430,14 @@ fn a_command_that_comes_again_is_answered_again_and_obeyed_once() {
     let node = Node::join("director", Some(house.iceoryx2())).expect("node");
     let answers = TakeListener::open(&node).expect("answers");
     let director = TrackerPublisher::open(&node, &[], "/marks").expect("publisher");
+    let token = house.token();
     let answer = |command: Command, sequence: u64| {
-        assert_eq!(director.control(command, 7, sequence, 5).expect("send"), 1);
+        assert_eq!(
+            director
+                .control(command, (7, sequence), 5, token)
+                .expect("send"),
+            1
+        );
         let patience = Patience::new();
         loop {
             patience.check("an answer");
@@ -584,6 +598,7 @@ fn garbage_on_every_service_is_refused_and_counted() {
             available_ns: -1,
             command,
             session: 1,
+            token: [0; 16],
         };
         control.send_copy(record).expect("send");
         assert_eq!(daemon.wait_for("refused")["reason"], "no such command");
@@ -650,8 +665,7 @@ fn what_a_full_buffer_drops_is_counted_as_overflow() {
 #[test]
 fn a_full_disk_ends_the_recording_and_not_the_daemon() {
     let house = House::new();
-    let Some(mut daemon) =
-        Daemon::start_on_small_disk(&house, "config/pencil_tip.toml", "300k", "")
+    let Some(mut daemon) = Daemon::start_on_small_disk(&house, "config/pencil_tip.toml", "3m", "")
     else {
         return peers::skip(
             "a_full_disk_ends_the_recording_and_not_the_daemon",
@@ -670,6 +684,10 @@ fn a_full_disk_ends_the_recording_and_not_the_daemon() {
         "--take",
     ];
     let child = house.spawn_tracker(&load);
+    // So little is left that the take fills it.
+    daemon.wait_for("started");
+    let filler = daemon.seen(&house.folder().join("filler"));
+    std::fs::write(&filler, vec![1; 11 << 18]).expect("write");
     let broken = daemon.wait_for("broken");
     let error = broken["error"].as_str().expect("text");
     assert!(error.contains("No space left"), "{error}");
@@ -680,6 +698,7 @@ fn a_full_disk_ends_the_recording_and_not_the_daemon() {
     daemon.copy_out(broken["recording"].as_str().expect("path"), &copy);
     let recording = Recording::open(&copy).expect("open");
     assert_eq!(recording.container().damages().count(), 0);
+    ends::is_said_to_be_cut_short(&house, &copy);
     assert!(
         raw_messages(&copy) > 500,
         "{} messages",

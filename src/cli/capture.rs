@@ -56,6 +56,7 @@ fn text(said: &CaptureEvent, style: Style) -> String {
             abandoned,
             viewer,
             metrics,
+            page,
         } => {
             let mut text = format!("ready: {}\n", plain(&topics.join(", ")));
             if let Some(viewer) = viewer {
@@ -63,8 +64,11 @@ fn text(said: &CaptureEvent, style: Style) -> String {
             }
             if let Some(metrics) = metrics {
                 text.push_str(&format!(
-                    "  operator's page, /health and /metrics at {metrics}\n"
+                    "  /, /health and /metrics at {metrics}, for whoever watches\n"
                 ));
+            }
+            if let Some(page) = page {
+                text.push_str(&format!("  operator's page, which directs takes: {page}\n"));
             }
             for shortcoming in shortcomings {
                 text.push_str(&format!("  note: {}\n", plain(shortcoming)));
@@ -80,6 +84,7 @@ fn text(said: &CaptureEvent, style: Style) -> String {
             recording,
             unheard,
             before,
+            troubles,
         } => {
             let mut text = format!("take {take}: records {}\n", plain(recording));
             if *before > 0 {
@@ -87,6 +92,9 @@ fn text(said: &CaptureEvent, style: Style) -> String {
             }
             for topic in unheard {
                 text.push_str(&format!("  warning: nothing comes on {}\n", plain(topic)));
+            }
+            for trouble in troubles {
+                text.push_str(&format!("  warning: {}\n", plain(trouble)));
             }
             text
         }
@@ -112,7 +120,11 @@ fn text(said: &CaptureEvent, style: Style) -> String {
             label_text(label),
             counts_text(counts)
         ),
-        CaptureEvent::Discarded { take } => format!("take {take}: discarded\n"),
+        CaptureEvent::Discarded { take, recording } => {
+            let moved = recording.as_ref();
+            let moved = moved.map(|path| format!(", moved to {}", plain(path)));
+            format!("take {take}: discarded{}\n", moved.unwrap_or_default())
+        }
         CaptureEvent::Broken {
             take,
             recording,

@@ -38,6 +38,7 @@ pub(super) fn run(arguments: TakeArguments) -> anyhow::Result<Exit> {
         direction,
         marks_topic,
         iceoryx2: arguments.iceoryx2,
+        token: arguments.token,
         patience: PATIENCE,
     })?;
     let mut exit = Exit::Done;
@@ -59,6 +60,7 @@ fn account(answer: &DaemonAnswer, is_status: bool) -> (String, Exit) {
             events: _,
             trackers,
             troubles,
+            page,
         } => {
             let mut text = take.map_or("no take runs\n".to_owned(), |take| {
                 format!("take {take}: {messages} samples and marks\n")
@@ -70,15 +72,29 @@ fn account(answer: &DaemonAnswer, is_status: bool) -> (String, Exit) {
             for trouble in troubles {
                 text.push_str(&format!("  trouble: {}\n", crate::report::plain(trouble)));
             }
+            if let Some(page) = page {
+                text.push_str(&format!("  operator's page: {page}\n"));
+            }
             let is_silent = |tracker: &TrackerState| tracker.state == Presence::Silent;
             let is_well = troubles.is_empty() && !trackers.iter().any(is_silent);
             (text, if is_well { Exit::Done } else { Exit::NotWhole })
         }
-        DaemonAnswer::Started { take, unheard } => {
+        DaemonAnswer::Started {
+            take,
+            unheard,
+            troubles,
+        } => {
+            for trouble in troubles {
+                output::print_warning(&crate::report::plain(trouble));
+            }
             for topic in unheard {
                 output::print_warning(&format!("nothing comes on {topic}: does its tracker send?"));
             }
-            (format!("take {take} begins\n"), Exit::Done)
+            let exit = match troubles.is_empty() {
+                true => Exit::Done,
+                false => Exit::NotWhole,
+            };
+            (format!("take {take} begins\n"), exit)
         }
         DaemonAnswer::Closed {
             take,
@@ -91,7 +107,17 @@ fn account(answer: &DaemonAnswer, is_status: bool) -> (String, Exit) {
             );
             (text, Exit::Done)
         }
-        DaemonAnswer::Discarded { take } => (format!("take {take} is discarded\n"), Exit::Done),
+        DaemonAnswer::Discarded { take, recording } => match recording {
+            Some(recording) => {
+                let recording = crate::report::plain(recording);
+                let text = format!("take {take} is discarded\n  moved to {recording}\n");
+                (text, Exit::Done)
+            }
+            None => {
+                let text = format!("take {take} is discarded, but could not be moved aside\n");
+                (text, Exit::NotWhole)
+            }
+        },
         DaemonAnswer::Broken { take, error } => {
             let error = crate::report::plain(error);
             (

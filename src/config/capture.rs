@@ -39,9 +39,11 @@ pub struct CaptureSettings {
     pub viewer_port: Option<u16>,
     /// Port of health and metrics; 0: any free port, `None`: not served.
     pub metrics_port: Option<u16>,
-    /// Pages in browsers that may watch and direct besides those of this machine and of known viewers:
-    /// `https://viewer.example`, or `*` for watching.
+    /// Pages in browsers that may watch besides those of this machine and of known viewers:
+    /// `https://viewer.example`, or `*` for all.
     pub origins: Vec<String>,
+    /// Names by which the ports may be asked besides `localhost` and addresses in numbers.
+    pub hosts: Vec<String>,
     /// How much of what came before its start a take begins with.
     pub pre_roll: Duration,
     /// Source of the stamps, track by track; `None`: the first valid sample decides.
@@ -91,6 +93,7 @@ pub(super) fn capture(raw: &RawScene, scene: &Scene) -> Result<CaptureSettings, 
         viewer_port: port("viewer_port", raw.viewer_port.as_ref())?,
         metrics_port: port("metrics_port", raw.metrics_port.as_ref())?,
         origins: origins(raw.origins.as_deref().unwrap_or_default())?,
+        hosts: hosts(raw.hosts.as_deref().unwrap_or_default())?,
         pre_roll: pre_roll(raw.pre_roll_s.as_ref())?,
         stamps,
     })
@@ -108,6 +111,21 @@ fn origins(given: &[Text]) -> Result<Vec<String>, Fault> {
         }
         let expected = "expected \"https://viewer.example\", without a path, or \"*\"";
         fault(text.span(), format!("origin {origin:?}: {expected}"))
+    });
+    checked.collect()
+}
+
+fn hosts(given: &[Text]) -> Result<Vec<String>, Fault> {
+    let is_name = |text: &str| {
+        let is_of_name = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '-' | '_');
+        !text.is_empty() && text.chars().all(is_of_name)
+    };
+    let checked = given.iter().map(|text| match text.get_ref() {
+        name if is_name(name) => Ok(name.clone()),
+        name => {
+            let expected = "expected the name of this machine, \"mocap.local\", without a port";
+            fault(text.span(), format!("host {name:?}: {expected}"))
+        }
     });
     checked.collect()
 }
@@ -274,6 +292,10 @@ mass_g = 6.0
                 "scene:9:16: metrics_port is 0.5",
             ),
             ("[capture]\nfolder = \"\"\n", "scene:9:10: folder is empty"),
+            (
+                "[capture]\nhosts = [\"mocap.local:9464\"]\n",
+                "host \"mocap.local:9464\": expected the name of this machine",
+            ),
             (
                 "[capture]\norigins = [\"viewer.example\"]\n",
                 "scene:9:12: origin \"viewer.example\"",

@@ -9,7 +9,8 @@ use serde::Deserialize;
 
 use super::capture::{TrackerState, now_ns};
 use crate::ingest::live::{
-    AnswerListener, Command, LabelRecord, MarkRecord, NO_TIME, Node, running_daemon,
+    AnswerListener, Command, LabelRecord, MarkRecord, NO_TIME, Node, Token, running_daemon,
+    token_of_daemon,
 };
 use crate::write::{LabelPublisher, TrackerPublisher};
 
@@ -38,7 +39,7 @@ pub enum Direction {
         /// Wait for its estimate.
         waits: bool,
     },
-    /// End the take and remove it.
+    /// End the take and move it aside.
     Discard,
     /// Report the state.
     Ask,
@@ -66,6 +67,8 @@ pub struct DirectJob {
     pub marks_topic: String,
     /// Configuration of iceoryx2; by default where iceoryx2 looks for it.
     pub iceoryx2: Option<PathBuf>,
+    /// File with the daemon's token, for a daemon elsewhere; by default that of the daemon on this machine.
+    pub token: Option<PathBuf>,
     /// How long to wait for an answer.
     pub patience: Duration,
 }
@@ -88,6 +91,9 @@ pub enum DaemonAnswer {
         trackers: Vec<TrackerState>,
         /// What keeps takes from being written.
         troubles: Vec<String>,
+        /// Address of the operator's page.
+        #[serde(default)]
+        page: Option<String>,
     },
     /// A take has begun.
     Started {
@@ -95,6 +101,9 @@ pub enum DaemonAnswer {
         take: u64,
         /// Topics on which nothing comes.
         unheard: Vec<String>,
+        /// What may keep it from being written.
+        #[serde(default)]
+        troubles: Vec<String>,
     },
     /// A take is over.
     Closed {
@@ -105,10 +114,13 @@ pub enum DaemonAnswer {
         /// Its file.
         recording: String,
     },
-    /// A take is removed.
+    /// A take is moved aside.
     Discarded {
         /// Number of the take.
         take: u64,
+        /// Its file; none where it could not be moved, and is where it was.
+        #[serde(default)]
+        recording: Option<String>,
     },
     /// A take could not be recorded.
     Broken {
@@ -157,7 +169,16 @@ pub enum DaemonAnswer {
 pub fn direct(job: &DirectJob) -> anyhow::Result<Vec<DaemonAnswer>> {
     let at_ns = now_ns();
     let mut talk = Talk::begin(job, at_ns)?;
-    let state = talk.ask(Command::Ask)?;
+    let mut state = talk.ask(Command::Ask)?;
+    if let (
+        DaemonAnswer::Asked {
+            page: Some(page), ..
+        },
+        Some(token),
+    ) = (&mut state, &talk.token)
+    {
+        *page = operators_link(page, token);
+    }
     if let Some(reason) = refusal(&job.direction, &state) {
         return Ok(vec![DaemonAnswer::Refused { reason }]);
     }
@@ -184,6 +205,11 @@ pub fn direct(job: &DirectJob) -> anyhow::Result<Vec<DaemonAnswer>> {
         }
         answer => Ok(vec![answer]),
     }
+}
+
+/// The link to the operator's page by which it may direct: what is after `#` stays in the browser.
+pub(super) fn operators_link(address: &str, token: &Token) -> String {
+    format!("{address}/#token={}", token.text())
 }
 
 /// Why the daemon could not obey in that state, if it could not.
@@ -219,10 +245,22 @@ struct Talk<'a> {
     answers: AnswerListener,
     publisher: TrackerPublisher,
     labels: LabelPublisher,
+    /// The daemon's token, if it is known.
+    token: Option<Token>,
     session: u32,
     sequence: u64,
     /// What was heard that answers another command, or none.
     heard: Vec<DaemonAnswer>,
+}
+
+/// The token that a job knows.
+fn token(job: &DirectJob) -> anyhow::Result<Option<Token>> {
+    let Some(file) = &job.token else {
+        return Ok(token_of_daemon(job.iceoryx2.as_deref())?);
+    };
+    let read = Token::read(file);
+    let read = read.with_context(|| format!("{}: cannot read the token", file.display()))?;
+    Ok(Some(read))
 }
 
 impl<'a> Talk<'a> {
@@ -233,6 +271,7 @@ impl<'a> Talk<'a> {
             answers: AnswerListener::open(&node)?,
             publisher: TrackerPublisher::open(&node, &[], &job.marks_topic)?,
             labels: LabelPublisher::open(&node)?,
+            token: token(job)?,
             // Processes that ask at the same time differ by their ids.
             session: std::process::id(),
             sequence: at_ns as u64,
@@ -279,7 +318,9 @@ impl<'a> Talk<'a> {
         let (begun, mut asked) = (Instant::now(), None::<Instant>);
         while begun.elapsed() < self.job.patience {
             if asked.is_none_or(|at| at.elapsed() > REPEAT) {
-                let hearers = self.publisher.control(command, session, sequence, at_ns)?;
+                let token = self.token.unwrap_or(Token::NONE);
+                let asking = (session, sequence);
+                let hearers = self.publisher.control(command, asking, at_ns, token)?;
                 asked = (hearers > 0).then(Instant::now);
             }
             while let Some(answered) = self.answers.receive()? {
@@ -334,6 +375,7 @@ mod tests {
             events: vec!["bounce".to_owned(), "landing".to_owned()],
             trackers: Vec::new(),
             troubles: Vec::new(),
+            page: None,
         }
     }
 

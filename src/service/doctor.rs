@@ -180,7 +180,7 @@ fn services_of(scene: &Scene) -> Vec<(String, &'static str)> {
         .map(|stream| (service_name(&stream.topic), POSE))
         .collect();
     services.push((service_name(&scene.marks_topic), "enact.Mark.1"));
-    services.push((CONTROL_SERVICE.to_owned(), "enact.Control.1"));
+    services.push((CONTROL_SERVICE.to_owned(), "enact.Control.2"));
     services.push((TAKE_SERVICE.to_owned(), "enact.Take.1"));
     services.push((LABEL_SERVICE.to_owned(), "enact.Label.1"));
     services.push((ANSWER_SERVICE.to_owned(), "enact.Answer.1"));

@@ -12,6 +12,11 @@ use super::words::words;
 use super::working::Working;
 use crate::ingest::{PoseExtent, Recording};
 use crate::motion::{Mark, Scene, Stamp, TakeEvent};
+use crate::write::is_cut_short;
+
+/// What is said of a take that was not closed.
+pub(super) const CUT_SHORT: &str = "the take was not closed: its recording was stopped, or cut short, and what came \
+                                    after that is not in it";
 
 /// Number of topics that are listed; a file may have 65,535.
 const LISTED: usize = 1000;
@@ -163,6 +168,9 @@ pub fn inspect(
         inspection.warnings.extend(poses.iter().filter_map(|of| of.mixed.clone()));
     }
     inspection.poses = lines_of(poses);
+    if is_cut_short(recording.container()) {
+        inspection.lost.push(CUT_SHORT.to_owned());
+    }
     if deadline.is_over() {
         inspection.lost.push(format!(
             "the time limit of {} was reached: not everything was looked at",

@@ -1,17 +1,17 @@
 //! Lists the takes in a folder, with what was said of them and what was found.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use serde::Serialize;
 
-use super::capture::METADATA;
 use super::finish::output_path;
+use super::inspect::CUT_SHORT;
 use super::words;
-use crate::ingest::{Digest, Recording, digest};
+use crate::ingest::{Digest, Recording, digest, regular};
 use crate::write::export::WrittenVerdict;
-use crate::write::topics::REPORT;
+use crate::write::is_cut_short;
+use crate::write::topics::{REPORT, TAKE_METADATA};
 
 /// A take in a folder.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
@@ -86,13 +86,19 @@ fn read_take(path: &Path, found: &mut TakeEntry) -> anyhow::Result<()> {
         messages,
         container,
     } = read(path)?;
-    let metadata = container.metadata().iter().rfind(|of| of.name == METADATA);
+    let metadata = container
+        .metadata()
+        .iter()
+        .rfind(|of| of.name == TAKE_METADATA);
     let text = |key: &str| metadata.and_then(|of| of.pairs.get(key)).cloned();
     found.number = text("number").and_then(|number| number.parse().ok());
     found.name = text("name");
     found.note = text("note");
     found.rating = text("rating").and_then(|rating| rating.parse().ok());
     found.messages = messages;
+    if is_cut_short(&container) {
+        bail!("{}: {CUT_SHORT}", path.display());
+    }
     Ok(())
 }
 
@@ -109,7 +115,7 @@ fn read_verdict(estimate: &Path, found: &mut TakeEntry) -> anyhow::Result<()> {
 /// What a file says at its end; of one that does not, what all of it says.
 fn read(path: &Path) -> anyhow::Result<Digest> {
     let cannot = || format!("{}: cannot read", path.display());
-    let mut file = File::open(path).with_context(cannot)?;
+    let mut file = regular::open(path).with_context(cannot)?;
     if let Some(digest) = digest(&mut file, REPORT).with_context(cannot)? {
         return Ok(digest);
     }

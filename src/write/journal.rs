@@ -31,6 +31,7 @@ use super::atomic::rename_to_new;
 use super::error::WriteError;
 use super::estimate::DEFAULT_WORLD_FRAME;
 use super::options::LIBRARY;
+use super::topics::COUNTS;
 use crate::motion::{Mark, PoseSample, Stamp};
 use crate::wire::encode::{self, SchemaRecord};
 use crate::wire::live::payload::{MarkRecord, PoseRecord};
@@ -39,9 +40,6 @@ use crate::write::recover::PART_SUFFIX;
 
 /// What is put before a topic for what came on it bit for bit.
 pub const RAW_PREFIX: &str = "/capture";
-
-/// What became of the samples.
-pub const COUNTS_TOPIC: &str = "/capture/counts";
 
 /// A chunk with more in it is closed before its time \[bytes, not compressed\].
 const CHUNK_BYTES: usize = 512 << 10;
@@ -127,8 +125,14 @@ impl Journal {
         let sink = file
             .try_clone()
             .map_err(WriteError::io(&part, "open again"))?;
-        let (writer, channels) =
-            begin(sink, topics, marks_topic, scene_toml).map_err(WriteError::mcap(&part))?;
+        let begun = begin(sink, topics, marks_topic, scene_toml);
+        let (writer, channels) = match begun {
+            Ok(begun) => begun,
+            Err(error) => {
+                forget(&part);
+                return Err(WriteError::mcap(&part)(error));
+            }
+        };
         let mut journal = Self {
             path: path.to_owned(),
             part,
@@ -140,7 +144,12 @@ impl Journal {
             open_bytes: 0,
             chunks: 0,
         };
-        journal.flush()?;
+        if let Err(error) = journal.flush() {
+            let (sink, _) = journal.writer.into_inner().into_parts();
+            drop(sink);
+            forget(&journal.part);
+            return Err(error);
+        }
         Ok(journal)
     }
 
@@ -261,11 +270,14 @@ impl Journal {
         rename_to_new(&self.part, &self.path)
     }
 
-    /// Removes it.
-    pub fn discard(self) -> Result<(), WriteError> {
-        let (sink, _) = self.writer.into_inner().into_parts();
-        drop(sink);
-        std::fs::remove_file(&self.part).map_err(WriteError::io(&self.part, "remove"))
+    /// [`Journal::finish`] into another folder, which is made if it is not there: what is thrown away by mistake
+    /// can be had back. Returns the file's path.
+    pub fn set_aside(mut self, folder: &Path) -> Result<PathBuf, WriteError> {
+        std::fs::create_dir_all(folder).map_err(WriteError::io(folder, "make"))?;
+        let name = self.path.file_name().unwrap_or_default();
+        self.path = folder.join(name);
+        let path = self.path.clone();
+        self.finish().map(|()| path)
     }
 
     fn flush(&mut self) -> Result<(), WriteError> {
@@ -333,6 +345,12 @@ impl Times {
     }
 }
 
+/// Removes a journal that could not be begun and has nothing in it.
+fn forget(part: &Path) {
+    // One that stays is found by the next look for what a crash left.
+    let _ = std::fs::remove_file(part);
+}
+
 /// `take.mcap` → `take.mcap.part`.
 pub(super) fn part_of(path: &Path) -> PathBuf {
     let mut part = path.as_os_str().to_owned();
@@ -398,7 +416,7 @@ fn begin(
     }
     let marks = channel(marks_topic, &event, "protobuf")?;
     let marks = (marks, channel(&raw_topic(marks_topic), &raw_mark, "cdr")?);
-    let counts = channel(COUNTS_TOPIC, &counts, "json")?;
+    let counts = channel(COUNTS, &counts, "json")?;
     Ok((
         writer,
         JournalChannels {

@@ -10,7 +10,7 @@ use crate::sampling::{estimate_frames, zero};
 use crate::wire::live::{
     ANSWER_SERVICE, AnswerRecord, CONTROL_SERVICE, Command, ControlRecord, ESTIMATE_SERVICE,
     EstimateRecord, EstimatedPoseRecord, LABEL_SERVICE, LabelRecord, LiveError, LiveService,
-    MarkRecord, Node, PoseRecord, Quality, TAKE_SERVICE, TakeRecord, service_name,
+    MarkRecord, Node, PoseRecord, Quality, TAKE_SERVICE, TakeRecord, Token, service_name,
 };
 
 /// One publisher.
@@ -81,19 +81,20 @@ impl TrackerPublisher {
         self.marks.send(record)
     }
 
-    /// Sends a command; to how many.
+    /// Sends a command, as somebody who knows that token; to how many.
     pub fn control(
         &self,
         command: Command,
-        session: u32,
-        sequence: u64,
+        (session, sequence): (u32, u64),
         now_ns: i64,
+        token: Token,
     ) -> Result<usize, LiveError> {
         self.control.send(ControlRecord {
             sequence,
             available_ns: now_ns,
             command: command.number(),
             session,
+            token: token.bytes(),
         })
     }
 }

@@ -51,5 +51,5 @@ pub use marks::write_marks;
 pub use merge::has_estimate;
 pub use part::write_part;
 pub use recording::RecordingWriter;
-pub use recover::{Recovered, abandoned, recover};
+pub use recover::{Recovered, abandoned, is_cut_short, recover};
 pub use unfinished::remove_unfinished;

@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 use super::atomic::{AtomicFile, is_one_file, rename_to_new};
 use super::error::WriteError;
 use super::merge::{self, Additions};
-use crate::wire::Container;
+use super::topics::{COUNTS, TAKE_METADATA};
 use crate::wire::container::Damage;
+use crate::wire::{Container, regular};
 
 /// What is appended to the name of a journal that is not closed.
 pub const PART_SUFFIX: &str = ".part";
@@ -57,7 +58,7 @@ pub fn recover(part: &Path) -> Result<Recovered, WriteError> {
             path: part.to_owned(),
         });
     }
-    let bytes = std::fs::read(part).map_err(WriteError::io(part, "read"))?;
+    let bytes = regular::read(part).map_err(WriteError::io(part, "read"))?;
     let length = bytes.len() as u64;
     let container = Container::of_journal(bytes).map_err(|source| WriteError::Container {
         path: part.to_owned(),
@@ -99,8 +100,8 @@ fn locks(file: &File) -> bool {
 
 /// Opens a journal so that it can be locked: over a network that takes the right to write.
 fn open(part: &Path) -> io::Result<File> {
-    match OpenOptions::new().read(true).write(true).open(part) {
-        Err(error) if error.kind() == io::ErrorKind::PermissionDenied => File::open(part),
+    match regular::open_with(OpenOptions::new().read(true).write(true), part) {
+        Err(error) if error.kind() == io::ErrorKind::PermissionDenied => regular::open(part),
         opened => opened,
     }
 }
@@ -132,13 +133,25 @@ pub fn abandoned(folder: &Path) -> Result<Vec<PathBuf>, WriteError> {
     let mut parts = Vec::new();
     for entry in entries {
         let path = entry.map_err(WriteError::io(folder, "list"))?.path();
-        let is_free = || File::open(&path).is_ok_and(|file| file.try_lock_shared().is_ok());
+        let is_free = || regular::open(&path).is_ok_and(|file| file.try_lock_shared().is_ok());
         if final_of(&path).is_some() && is_free() {
             parts.push(path);
         }
     }
     parts.sort();
     Ok(parts)
+}
+
+/// Whether a recording is of a live take that was not closed: its recording was stopped, by a full disk for
+/// example, or its recorder was killed, so that its end is missing.
+pub fn is_cut_short(recording: &Container) -> bool {
+    let mut channels = recording.channels().values();
+    let is_live = channels.any(|channel| channel.topic == COUNTS);
+    is_live
+        && !recording
+            .metadata()
+            .iter()
+            .any(|of| of.name == TAKE_METADATA)
 }
 
 /// `take.mcap.part` → `take.mcap`.

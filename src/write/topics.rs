@@ -24,6 +24,10 @@
 
 use std::collections::BTreeMap;
 
+/// What became of the samples of a live take.
+pub const COUNTS: &str = "/capture/counts";
+/// Name of the metadata record that a live take has at its end: its number, and what was said of it.
+pub const TAKE_METADATA: &str = "take";
 /// Frame transforms.
 pub const TRANSFORMS: &str = "/tf";
 /// Angles of joints.

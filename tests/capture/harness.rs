@@ -10,6 +10,7 @@ use clap::Parser;
 use serde_json::Value;
 use tempfile::TempDir;
 
+use enact::ingest::live::{Token, token_of_daemon};
 use enact_tools::tracker;
 
 /// Not a test: the tracker, when a test starts its binary again as another process.
@@ -131,6 +132,18 @@ impl House {
 
     pub fn iceoryx2(&self) -> &Path {
         &self.iceoryx2
+    }
+
+    /// The token of the daemon, once it has one.
+    pub fn token(&self) -> Token {
+        let patience = Patience::new();
+        loop {
+            patience.check("a token");
+            if let Ok(Some(token)) = token_of_daemon(Some(&self.iceoryx2)) {
+                return token;
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
     }
 
     /// Where takes go.

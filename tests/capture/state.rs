@@ -131,14 +131,18 @@ fn a_hole_across_the_start_of_a_take_is_counted() {
     assert_eq!(house.take(&["status"]).0, Some(0));
     daemon.stop();
     send(100..5000);
-    tracker.control(Command::Start, 7, 1, 0).expect("send");
+    tracker
+        .control(Command::Start, (7, 1), 0, house.token())
+        .expect("send");
     daemon.signal("CONT");
     daemon.wait_for("started");
     send(5000..5100);
     let (code, said, _) = house.take(&["status"]);
     let is_said = said.contains("trouble: 2852 samples are missing in take 1\n");
     assert!(code == Some(3) && is_said, "{said}");
-    tracker.control(Command::Stop, 7, 2, 0).expect("send");
+    tracker
+        .control(Command::Stop, (7, 2), 0, house.token())
+        .expect("send");
     let closed = daemon.wait_for("closed");
     let counts = &closed["counts"]["trackers"][0]["counts"];
     let [received, missing, overflows] =
@@ -338,7 +342,9 @@ fn a_bogus_sequence_number_makes_nothing_missing() {
     for sequence in &numbers {
         tracker.pose(0, pose(*sequence, 1)).expect("send");
     }
-    tracker.control(Command::Stop, 7, 1, 0).expect("send");
+    tracker
+        .control(Command::Stop, (7, 1), 0, house.token())
+        .expect("send");
     let closed = daemon.wait_for("closed");
     let counts = &closed["counts"]["trackers"][0]["counts"];
     for (what, expected) in [("received", 41), ("missing", 0), ("late", 0), ("leaps", 1)] {
@@ -409,14 +415,18 @@ fn a_stdout_that_nobody_reads_holds_up_neither_takes_nor_the_end() {
     let node = Node::join("director", Some(house.iceoryx2())).expect("node");
     let director = TrackerPublisher::open(&node, &[], "/marks").expect("publisher");
     let patience = Patience::new();
-    while director.control(Command::Start, 7, 0, 0).expect("send") == 0 {
+    while director
+        .control(Command::Start, (7, 0), 0, house.token())
+        .expect("send")
+        == 0
+    {
         patience.check("the daemon listens");
         std::thread::sleep(Duration::from_millis(10));
     }
     // More than a pipe holds.
     for sequence in 1..1500 {
         director
-            .control(Command::Ask, 7, sequence, 0)
+            .control(Command::Ask, (7, sequence), 0, house.token())
             .expect("send");
         if sequence % 100 == 0 {
             std::thread::sleep(Duration::from_millis(20));

@@ -9,7 +9,7 @@ use super::SCENE;
 use super::harness::{Daemon, House, Patience, ended};
 use super::health::{wait, wait_for_red};
 use super::page::{state, wait as wait_for_state};
-use super::socket::{Viewer, get, post};
+use super::socket::{Viewer, get, order, token};
 
 const LOAD: [&str; 7] = [
     "--load",
@@ -99,7 +99,8 @@ fn with_no_descriptor_left_a_take_goes_on_and_health_says_that_none_can_begin() 
     let mut daemon = Daemon::start(&house, SCENE, &PORTS);
     let url = daemon.ready["metrics"].as_str().expect("served").to_owned();
     let own = Some(url.as_str());
-    let order = |json: &str| post(&url, "/take", own, json).0;
+    let token = token(&daemon.ready);
+    let order = |json: &str| order(&url, own, Some(&token), json).0;
     let is_recording = |now: &serde_json::Value| now["status"]["messages"].as_u64() > Some(100);
     assert_eq!(order(r#"{"command":"start"}"#), 202);
     let tracker = house.spawn_tracker(&[&LOAD[..], &["4"]].concat());

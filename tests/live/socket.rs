@@ -38,6 +38,13 @@ pub fn exchange(url: &str, bytes: &[u8]) -> String {
     String::from_utf8_lossy(&answer).into_owned()
 }
 
+/// The token in the link to the operator's page.
+pub fn token(ready: &Value) -> String {
+    let link = ready["page"].as_str().expect("a link");
+    let (_, token) = link.split_once("/#token=").expect("a token");
+    token.to_owned()
+}
+
 /// Status and body of a page.
 pub fn get(url: &str, path: &str) -> (u16, String) {
     let request = format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n");
@@ -57,13 +64,16 @@ pub fn upgrade_for(origin: &str, protocol: Option<&str>) -> String {
     request.replacen("\r\n", &format!("\r\nOrigin: {origin}\r\n"), 1)
 }
 
-/// Status and body of the answer to a POST of JSON, on behalf of that page.
-pub fn post(url: &str, path: &str, origin: Option<&str>, json: &str) -> (u16, String) {
+/// Status and body of the answer to an order in JSON, on behalf of that page, of one who knows that token.
+pub fn order(url: &str, origin: Option<&str>, token: Option<&str>, json: &str) -> (u16, String) {
     let host = url.split("//").nth(1).expect("an address");
     let origin = origin.map_or(String::new(), |origin| format!("Origin: {origin}\r\n"));
+    let token = token.map_or(String::new(), |token| {
+        format!("Authorization: Bearer {token}\r\n")
+    });
     let length = json.len();
     let request = format!(
-        "POST {path} HTTP/1.1\r\nHost: {host}\r\n{origin}Content-Length: {length}\r\n\r\n{json}"
+        "POST /take HTTP/1.1\r\nHost: {host}\r\n{origin}{token}Content-Length: {length}\r\n\r\n{json}"
     );
     let answer = exchange(url, request.as_bytes());
     let (head, body) = answer.split_once("\r\n\r\n").expect("a head");

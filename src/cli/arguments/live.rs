@@ -45,7 +45,8 @@ pub(in crate::cli) struct CaptureArguments {
              \x20 enact take mark --event bounce\n\
              \x20 enact take stop --wait\n\
              Exit codes: 0 done, 1 refused or not recorded, 3 done, but something speaks against it: \
-             of `status` a tracker that fell silent or a full disk, of `stop --wait` the estimate.")]
+             of `start` that it may not be written, of `status` a tracker that fell silent or a full disk, of \
+             `stop --wait` the estimate.")]
 pub(in crate::cli) struct TakeArguments {
     /// What is wanted
     #[command(subcommand)]
@@ -53,6 +54,10 @@ pub(in crate::cli) struct TakeArguments {
     /// Configuration file of iceoryx2 [default: where iceoryx2 looks for it]
     #[arg(long, value_name = "FILE", global = true)]
     pub(in crate::cli) iceoryx2: Option<PathBuf>,
+    /// File with the daemon's token, where the daemon is on another machine [default: that of the daemon on this
+    /// one]
+    #[arg(long, value_name = "FILE", global = true)]
+    pub(in crate::cli) token: Option<PathBuf>,
 }
 
 /// What may be wanted of a take.
@@ -62,7 +67,7 @@ pub(in crate::cli) enum Wanted {
     Start,
     /// End it and estimate it
     Stop(StopArguments),
-    /// End it and remove it
+    /// End it and move it aside, into the folder `discarded`: nothing is deleted
     Discard,
     /// An event happens now
     Mark {

@@ -30,6 +30,8 @@ pub(in crate::config) struct RawCapture {
     pub(in crate::config) metrics_port: Option<Number>,
     /// Pages in browsers that may watch from elsewhere. Default: those of this machine and of known viewers.
     pub(in crate::config) origins: Option<Vec<Text>>,
+    /// Names of this machine by which viewers and pages may ask for it. Default: "localhost" and addresses in numbers.
+    pub(in crate::config) hosts: Option<Vec<Text>>,
     /// So much of what came in before its start a take begins with. Default: 0.
     pub(in crate::config) pre_roll_s: Option<Number>,
     /// Whose stamps are not chosen by what its first sample has.

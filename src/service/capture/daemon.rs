@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender};
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use tokio::signal::unix::{SignalKind, signal};
@@ -17,7 +17,7 @@ use super::estimator::finals;
 use super::event::{CaptureEvent, Status};
 use super::gate::Places;
 use super::http::{self, Pages};
-use super::listen::Listen;
+use super::listen::{Listen, Opened};
 use super::metrics::Metrics;
 use super::notice::{self, Notice, Shown, Speaker};
 use super::notify::tell;
@@ -29,10 +29,14 @@ use super::seldom::Seldom;
 use super::syncer::sync_all;
 use super::viewer::{self, Feed};
 use crate::config::{CaptureSettings, capture_from_toml};
-use crate::ingest::live::{Arrival, StreamTopic, stream_topics};
+use crate::ingest::live::{Arrival, StreamTopic, Token, stream_topics};
 use crate::ingest::read_text;
 use crate::motion::Scene;
-use crate::write::abandoned;
+use crate::service::direct::operators_link;
+use crate::write::{abandoned, remove_unfinished};
+
+/// Name of the thread that journals.
+const RECORD: &str = "record";
 
 /// Bounds of the queues except the publisher's; what happens when one is full is in the
 /// documentation of this module.
@@ -49,6 +53,10 @@ const CHECKED: Duration = Duration::from_millis(20);
 
 /// How long the end waits for whoever reads the account.
 const LAST_WORDS: Duration = Duration::from_secs(2);
+
+/// How long the end waits for the estimates of takes that are over, and how long then for them to stop.
+const LAST_ESTIMATES: Duration = Duration::from_secs(4);
+const STOPPED: Duration = Duration::from_secs(2);
 
 /// Bound of the queue of what the operator's page directs.
 const ORDERS: usize = 64;
@@ -70,11 +78,12 @@ pub struct CaptureJob {
     pub metrics_port: Option<u16>,
 }
 
-/// Captures until SIGTERM or SIGINT, or until `each` fails; returns whether everything that came in
+/// Captures until SIGTERM, SIGINT or SIGHUP, or until `each` fails; returns whether everything that came in
 /// a take is in its file. `each` is called with every event, `show` with the status at intervals, both
 /// on a thread of their own: where they wait, for a terminal or a pipe that nobody reads, nothing else
-/// does. At the end the running take is closed, all estimates are completed, and what is left to say is
-/// said within two seconds; a second signal does not wait for estimates.
+/// does. At the end the running take is closed, estimates have four seconds to be completed, and what is left to say
+/// is said within two seconds; a second signal does not wait for estimates, but one that a terminal sends when it is
+/// closed is no second one.
 ///
 /// Fails before it listens where the scene is wrong, the folder cannot be made or the services
 /// cannot be opened, by another daemon for example.
@@ -92,28 +101,38 @@ pub fn capture(
         // Before anything is opened, so that no signal is missed.
         let mut terminate = signal(SignalKind::terminate())?;
         let mut interrupt = signal(SignalKind::interrupt())?;
+        let mut hangup = signal(SignalKind::hangup())?;
         let mut running = Running::start(job).await?;
         let mut account = Account::begin(&mut running, each, show)?;
         tell("READY=1");
         let mut checks = tokio::time::interval(CHECKED);
+        let mut is_enough = None;
         loop {
-            let is_signal = tokio::select! {
-                _ = checks.tick() => false,
-                _ = terminate.recv() => true,
-                _ = interrupt.recv() => true,
+            let (is_signal, may_end_it) = tokio::select! {
+                _ = checks.tick() => (false, false),
+                _ = terminate.recv() => (true, true),
+                _ = interrupt.recv() => (true, true),
+                // A terminal that is closed may say so twice.
+                _ = hangup.recv() => (true, false),
             };
             if is_signal {
                 tell("STOPPING=1");
-                if running.stop.swap(true, Ordering::Relaxed) {
+                if running.stop.swap(true, Ordering::Relaxed) && may_end_it {
                     bail!("ended by a second signal: some estimates were not waited for");
                 }
             }
-            if running.threads.iter().all(JoinHandle::is_finished) {
+            if running.is_over(&mut is_enough) {
                 break;
             }
         }
-        running.join()?;
-        account.end().await
+        if running.join()? {
+            return account.end().await;
+        }
+        tracing::error!(
+            "an estimate does not stop, and is not waited for: `enact process` makes it of the recording"
+        );
+        remove_unfinished(|| ());
+        Ok(account.is_whole.load(Ordering::Relaxed))
     });
     // A task that waits for a peer is not waited for.
     runtime.shutdown_background();
@@ -123,6 +142,8 @@ pub fn capture(
 /// The thread that says what happens.
 struct Account {
     said: tokio::sync::oneshot::Receiver<anyhow::Result<bool>>,
+    /// Whether nothing is lost so far.
+    is_whole: Arc<AtomicBool>,
 }
 
 impl Account {
@@ -134,6 +155,8 @@ impl Account {
         let events = running.said.take().context("the account begins twice")?;
         let (status, stop) = (running.status.clone(), Arc::clone(&running.stop));
         let (sender, said) = tokio::sync::oneshot::channel();
+        let is_whole_so_far = Arc::new(AtomicBool::new(true));
+        let so_far = Arc::clone(&is_whole_so_far);
         // Not joined: it may wait for somebody who never reads.
         spawn("account", move || {
             let mut result = Ok(true);
@@ -142,6 +165,7 @@ impl Account {
                     Ok(event) => {
                         if let Ok(is_whole) = &mut result {
                             *is_whole &= !event.is_loss();
+                            so_far.store(*is_whole, Ordering::Relaxed);
                             if let Err(error) = each(&event) {
                                 // The reader of the account has gone, so nothing that follows would
                                 // be seen.
@@ -156,7 +180,10 @@ impl Account {
             }
             let _ = sender.send(result);
         })?;
-        Ok(Self { said })
+        Ok(Self {
+            said,
+            is_whole: is_whole_so_far,
+        })
     }
 
     /// Waits for the last words, if somebody reads them.
@@ -177,9 +204,32 @@ struct Running {
     status: watch::Receiver<Status>,
     stop: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
+    /// Told when estimates must stop.
+    enough: &'static AtomicBool,
 }
 
 impl Running {
+    /// Whether all threads have ended, or those that record have and estimates that were told to stop do not; `since` is
+    /// when recording was over.
+    fn is_over(&self, since: &mut Option<Instant>) -> bool {
+        if self.threads.iter().all(JoinHandle::is_finished) {
+            return true;
+        }
+        let is_recording = |thread: &&JoinHandle<()>| thread.thread().name() == Some(RECORD);
+        let is_recorded = || {
+            let mut recording = self.threads.iter().filter(is_recording);
+            recording.all(JoinHandle::is_finished)
+        };
+        if since.is_none() && self.stop.load(Ordering::Relaxed) && is_recorded() {
+            *since = Some(Instant::now());
+        }
+        let waited = since.map_or(Duration::ZERO, |since| since.elapsed());
+        if waited > LAST_ESTIMATES {
+            self.enough.store(true, Ordering::Relaxed);
+        }
+        waited > LAST_ESTIMATES + STOPPED
+    }
+
     async fn start(job: &CaptureJob) -> anyhow::Result<Self> {
         let (scene, scene_toml, mut settings) = read_scene(&job.scene)?;
         if let Some(folder) = &job.folder {
@@ -194,6 +244,8 @@ impl Running {
         let (batches, batch_queue) = mpsc::sync_channel(BATCHES);
         let (tellers, said) = mpsc::sync_channel(SAID);
         let stop = Arc::new(AtomicBool::new(false));
+        // For as long as the process: an estimate that does not stop may outlive everything here.
+        let enough: &'static AtomicBool = Box::leak(Box::default());
         let mut threads = Vec::new();
         let metrics = Arc::new(Metrics::default());
         let (speaker, notices) = notice::queue(&metrics);
@@ -209,7 +261,10 @@ impl Running {
             opened,
         };
         threads.push(spawn("listen", move || listen.run())?);
-        let shortcomings = is_open.recv().context("the listener is gone")??;
+        let Opened {
+            shortcomings,
+            token,
+        } = is_open.recv().context("the listener is gone")??;
         let (opened, is_open) = mpsc::channel();
         let publisher = Publisher {
             scene: scene.clone(),
@@ -231,7 +286,8 @@ impl Running {
         let (order_sender, orders) = mpsc::sync_channel(ORDERS);
         let doors = Doors {
             places: Places::of_process(),
-            origins: Origins::new(&settings.origins),
+            origins: Origins::new(&settings.origins, &settings.hosts),
+            token,
             scene: &scene,
             settings: &settings,
             topics: &topics,
@@ -248,7 +304,11 @@ impl Running {
         };
         speaker.say(Notice::of(CaptureEvent::Ready {
             viewer: served.viewer,
-            metrics: served.metrics,
+            page: served
+                .metrics
+                .as_ref()
+                .map(|address| operators_link(address, &token)),
+            metrics: served.metrics.clone(),
             topics: topics.iter().map(|topic| topic.topic.clone()).collect(),
             shortcomings,
             abandoned: left.iter().map(|path| path.display().to_string()).collect(),
@@ -258,10 +318,11 @@ impl Running {
             publisher: speaker.clone(),
             shown: shown_sender.clone(),
             metrics: Arc::clone(&metrics),
+            enough,
         };
         let recorder = Recorder {
             so_far: spawn_previewer(previewer, &mut threads)?,
-            finals: spawn_finals(&speaker, (shown_sender, &metrics), &mut threads)?,
+            finals: spawn_finals(&speaker, (shown_sender, &metrics), enough, &mut threads)?,
             syncer: spawn_syncer(&speaker, &mut threads)?,
             scene,
             scene_toml,
@@ -271,6 +332,8 @@ impl Running {
             status: status_sender,
             metrics,
             feed: served.feed,
+            token,
+            page: served.metrics,
             orders,
         };
         let (watched, to_watch) = (
@@ -283,7 +346,7 @@ impl Running {
         spawn("history", move || remembered.0.history.read(&remembered.1))?;
         spawn("watch", move || watched.health.watch(&to_watch, &until))?;
         let start_now = job.start_now;
-        threads.push(spawn("record", move || {
+        threads.push(spawn(RECORD, move || {
             recorder.run(&batch_queue, start_now)
         })?);
         Ok(Self {
@@ -291,18 +354,25 @@ impl Running {
             status,
             stop,
             threads,
+            enough,
         })
     }
 
-    /// Waits for the threads, once all queues are closed.
-    fn join(self) -> anyhow::Result<()> {
+    /// Waits for the threads, once all queues are closed, but for an estimate that does not stop and those that
+    /// wait for it; whether all have ended.
+    fn join(self) -> anyhow::Result<bool> {
+        let mut have_ended = true;
         for thread in self.threads {
+            if !thread.is_finished() {
+                have_ended = false;
+                continue;
+            }
             let name = thread.thread().name().unwrap_or_default().to_owned();
             if thread.join().is_err() {
                 bail!("thread {name} panicked, which is a bug");
             }
         }
-        Ok(())
+        Ok(have_ended)
     }
 }
 
@@ -315,6 +385,7 @@ struct Doors<'a> {
     stop: &'a Arc<AtomicBool>,
     places: Places,
     origins: Origins,
+    token: Token,
 }
 
 /// Addresses of the servers, and the recorder's end of the viewers' queue.
@@ -343,7 +414,7 @@ impl Doors<'_> {
                 metrics: Arc::clone(self.metrics),
                 status: status.clone(),
                 stop: Arc::clone(self.stop),
-                director: Director::new(self.scene, orders, status.clone()),
+                director: Director::new(self.scene, orders, status.clone(), self.token),
                 origins: self.origins.clone(),
             };
             let opened = http::serve(address, self.places, pages).await;
@@ -388,12 +459,13 @@ fn spawn_previewer(
 fn spawn_finals(
     speaker: &Speaker,
     (shown, metrics): (watch::Sender<Shown>, &Arc<Metrics>),
+    enough: &'static AtomicBool,
     threads: &mut Vec<JoinHandle<()>>,
 ) -> anyhow::Result<SyncSender<super::estimator::Finished>> {
     let (sender, queue) = mpsc::sync_channel(FINALS);
     let (speaker, metrics) = (speaker.clone(), Arc::clone(metrics));
     threads.push(spawn("finals", move || {
-        finals(&queue, &speaker, &shown, &metrics);
+        finals(&queue, &speaker, &shown, &metrics, enough);
     })?);
     Ok(sender)
 }

@@ -11,7 +11,7 @@ use super::event::Status;
 use super::recorder::event_names;
 use super::take::now_ns;
 use crate::ingest::live::{
-    Arrival, Arrived, Command, ControlRecord, LabelRecord, MarkRecord, NO_TIME,
+    Arrival, Arrived, Command, ControlRecord, LabelRecord, MarkRecord, NO_TIME, Token,
 };
 use crate::motion::Scene;
 
@@ -33,7 +33,7 @@ pub(super) enum Order {
         #[serde(default)]
         rating: u32,
     },
-    /// End the take and remove it.
+    /// End the take and move it aside.
     Discard,
     /// An event happens now: this one, or the next one in order.
     Mark {
@@ -49,6 +49,7 @@ pub(super) struct Director {
     orders: SyncSender<Arrival>,
     status: watch::Receiver<Status>,
     sequence: AtomicU64,
+    token: Token,
 }
 
 impl Director {
@@ -56,13 +57,22 @@ impl Director {
         scene: &Scene,
         orders: SyncSender<Arrival>,
         status: watch::Receiver<Status>,
+        token: Token,
     ) -> Self {
         Self {
             events: event_names(scene),
             orders,
             status,
             sequence: AtomicU64::new(0),
+            token,
         }
+    }
+
+    /// Whether a request may direct: its header `Authorization` is `Bearer` and the daemon's token.
+    pub(super) fn knows(&self, authorization: Option<&str>) -> bool {
+        let given = authorization.and_then(|given| given.strip_prefix("Bearer "));
+        let token = given.and_then(Token::of_text);
+        token.is_some_and(|token| self.token.lets_in(&token.bytes()))
     }
 
     /// Names of the scene's events.
@@ -114,6 +124,7 @@ impl Director {
             available_ns: now_ns(),
             command: command.number(),
             session: 0,
+            token: self.token.bytes(),
         }))
     }
 

@@ -3,6 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
@@ -32,17 +33,18 @@ pub(super) struct Finished {
 }
 
 /// Estimates takes that are over, one after the other, from their files: as `enact replay` does,
-/// so that the bytes are the same.
+/// so that the bytes are the same. Once there is `enough` of that, the rest is left to `enact process`.
 pub(super) fn finals(
     queue: &Receiver<Finished>,
     publisher: &Speaker,
     shown: &watch::Sender<Shown>,
     metrics: &Metrics,
+    enough: &'static AtomicBool,
 ) {
     while let Ok(Finished { take, path }) = queue.recv() {
         metrics.finals_waiting.take();
         let begun = Instant::now();
-        match guarded(|| estimate_file(&path)) {
+        match guarded(|| estimate_file(&path, Deadline::begin(None).or_told(enough))) {
             Ok((report, outcome, marks)) => {
                 metrics.estimated(begun.elapsed());
                 shown.send_replace(Some(Arc::new(outcome.clone())));
@@ -57,10 +59,15 @@ pub(super) fn finals(
                 draw(take, Path::new(&output), metrics);
             }
             Err(error) => {
+                let recording = path.display().to_string();
+                let error = match enough.load(Ordering::Relaxed) {
+                    true => format!("{}: enact process {recording}", words(&error)),
+                    false => words(&error),
+                };
                 let said = CaptureEvent::NotEstimated {
                     take,
-                    recording: path.display().to_string(),
-                    error: words(&error),
+                    recording,
+                    error,
                 };
                 publisher.say(Notice::of(said));
             }
@@ -77,8 +84,11 @@ fn draw(take: u64, estimate: &Path, metrics: &Metrics) {
     }
 }
 
-fn estimate_file(path: &Path) -> anyhow::Result<(RecordingReport, Outcome, u64)> {
-    let opened = open(path, None, Deadline::begin(None))?;
+fn estimate_file(
+    path: &Path,
+    deadline: Deadline,
+) -> anyhow::Result<(RecordingReport, Outcome, u64)> {
+    let opened = open(path, None, deadline)?;
     let take = opened.recording.take(&opened.scene)?;
     let pipeline = Pipeline::of(opened.scene.clone(), take.events);
     let output = output_path(path, None)?;

@@ -26,6 +26,9 @@ pub enum CaptureEvent {
         viewer: Option<String>,
         /// Address of the HTTP server for health and metrics.
         metrics: Option<String>,
+        /// Link to the operator's page that may direct takes: it has the token, and is for the operator alone.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        page: Option<String>,
     },
     /// A take has begun.
     Started {
@@ -37,6 +40,8 @@ pub enum CaptureEvent {
         unheard: Vec<String>,
         /// Samples and marks from before the start: see `pre_roll_s` of the scene.
         before: u64,
+        /// What may keep it from being written.
+        troubles: Vec<String>,
     },
     /// A tracker sends: its first sample came, or one after it was silent.
     Heard {
@@ -67,10 +72,12 @@ pub enum CaptureEvent {
         /// What was said of it.
         label: TakeLabel,
     },
-    /// A take was discarded.
+    /// A take was discarded: nothing of it is deleted.
     Discarded {
         /// Number of the take.
         take: u64,
+        /// Where its file was moved; none where that failed, as a warning says.
+        recording: Option<String>,
     },
     /// Recording stopped by an error; the file so far is kept.
     Broken {
@@ -127,6 +134,8 @@ pub enum CaptureEvent {
         trackers: Vec<TrackerState>,
         /// What keeps takes from being written, and what of this one did not arrive.
         troubles: Vec<String>,
+        /// Address of the operator's page.
+        page: Option<String>,
     },
     /// A control message was refused.
     Refused {
@@ -229,8 +238,15 @@ impl CaptureEvent {
         }
     }
 
-    /// The event as JSON for `enact/answer`; of an estimate it has what a director needs.
+    /// The event as JSON for `enact/answer`, without the token; of an estimate it has what a director needs.
     pub(super) fn answer(&self) -> Option<String> {
+        if let CaptureEvent::Ready { page: Some(_), .. } = self {
+            let mut said = self.clone();
+            if let CaptureEvent::Ready { page, .. } = &mut said {
+                *page = None;
+            }
+            return serde_json::to_string(&said).ok();
+        }
         let CaptureEvent::Estimated { take, report } = self else {
             return serde_json::to_string(self).ok();
         };
@@ -260,7 +276,7 @@ impl CaptureEvent {
             CaptureEvent::Ready { .. } => (0, 0, TakeState::Ready),
             CaptureEvent::Started { take, .. } => (*take, 0, TakeState::Recording),
             CaptureEvent::Closed { take, messages, .. } => (*take, *messages, TakeState::Closed),
-            CaptureEvent::Discarded { take } => (*take, 0, TakeState::Discarded),
+            CaptureEvent::Discarded { take, .. } => (*take, 0, TakeState::Discarded),
             CaptureEvent::Broken { take, messages, .. } => (*take, *messages, TakeState::Broken),
             CaptureEvent::Estimated { take, .. } => (*take, 0, TakeState::Estimated),
             CaptureEvent::NotEstimated { take, .. } => (*take, 0, TakeState::NotEstimated),

@@ -82,6 +82,20 @@ impl Health {
             .collect()
     }
 
+    /// Why no take could be begun in the folder: what was seen last, looked at once more.
+    pub(super) fn of_folder(&self, folder: &Path) -> Option<String> {
+        {
+            let parts = self
+                .parts
+                .lock()
+                .unwrap_or_else(|poisoned| poisoned.into_inner());
+            parts.get(&Part::Folder)?.1.as_ref()?;
+        }
+        let trouble = self.look_at(folder).err();
+        self.say(Part::Folder, trouble.clone());
+        trouble
+    }
+
     /// Free space in the folder of the takes \[bytes\].
     pub(super) fn free_bytes(&self) -> u64 {
         self.free_bytes.load(Ordering::Relaxed)

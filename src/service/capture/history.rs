@@ -110,9 +110,9 @@ impl History {
                 line.state = "estimating";
                 line.label.clone_from(label);
             }),
-            CaptureEvent::Discarded { take } => self.change(*take, |line| {
+            CaptureEvent::Discarded { take, recording } => self.change(*take, |line| {
                 line.state = "discarded";
-                line.recording.clear();
+                line.recording = recording.clone().unwrap_or_default();
             }),
             CaptureEvent::Broken {
                 take,
@@ -179,9 +179,13 @@ mod tests {
                 recording: format!("take-{take}"),
                 unheard: Vec::new(),
                 before: 0,
+                troubles: Vec::new(),
             });
         }
-        history.said(&CaptureEvent::Discarded { take: 30 });
+        history.said(&CaptureEvent::Discarded {
+            take: 30,
+            recording: None,
+        });
         history.said(&CaptureEvent::NotEstimated {
             take: 29,
             recording: String::new(),

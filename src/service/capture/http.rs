@@ -10,8 +10,9 @@
 //! | `/metrics` | 200, the text that Prometheus reads |
 //!
 //! Anything else is refused: another path with 404, another method with 405, a malformed request
-//! with 400, more than 8 KiB of head or of body with 431 or 413, an order that does not come from this
-//! server's own page with 403 ([`Origins::may_direct`]). A peer has two seconds for its request; where
+//! with 400, a name that is none of the daemon's with 421 ([`Origins::is_known`]), more than 8 KiB of head or of
+//! body with 431 or 413, an order without the daemon's token, or from a page that is not this server's own, with 403
+//! ([`Director::knows`], [`Origins::may_direct`]). A peer has two seconds for its request; where
 //! more than there are [`Places`] have not sent theirs, the oldest is closed.
 
 use std::net::SocketAddr;
@@ -166,6 +167,14 @@ impl Pages {
             }
             Err(_) => return Some(refusal("400 Bad Request")),
         };
+        if !self.origins.is_known(the_header(request.headers, "host")) {
+            return Some(Reply::text(
+                "421 Misdirected Request",
+                "421 Misdirected Request: ask for an address in numbers or for localhost, or list the name \
+                 in the scene, [capture] hosts\n"
+                    .to_owned(),
+            ));
+        }
         let path = request.path.unwrap_or_default();
         let path = path.split('?').next().unwrap_or_default();
         let is_get = request.method == Some("GET");
@@ -222,14 +231,14 @@ impl Pages {
 
     /// The reply to an order; `None` while its body is incomplete.
     fn take(&self, headers: &[httparse::Header], body: &[u8]) -> Option<Reply> {
-        let header = |name: &str| {
-            let found = headers
-                .iter()
-                .find(|header| header.name.eq_ignore_ascii_case(name));
-            found.map(|header| std::str::from_utf8(header.value).unwrap_or("?"))
-        };
-        if !self.origins.may_direct(header("origin"), header("host")) {
-            return Some(refusal("403 Forbidden"));
+        let header = |name: &str| the_header(headers, name);
+        let is_own = self.origins.may_direct(header("origin"), header("host"));
+        if !is_own || !self.director.knows(header("authorization")) {
+            return Some(Reply::text(
+                "403 Forbidden",
+                "this may only watch: to direct, open the link that `enact take status` prints\n"
+                    .to_owned(),
+            ));
         }
         let length = header("content-length").map(str::parse);
         let Some(Ok(length)) = length else {
@@ -252,6 +261,18 @@ impl Pages {
             Ok(()) => Reply::text("202 Accepted", "handed on\n".to_owned()),
             Err(why) => Reply::text("409 Conflict", format!("{why}\n")),
         })
+    }
+}
+
+/// The value of a header; `?` where it is there twice or is no text, which is nobody's name.
+fn the_header<'a>(headers: &[httparse::Header<'a>], name: &str) -> Option<&'a str> {
+    let mut found = headers
+        .iter()
+        .filter(|header| header.name.eq_ignore_ascii_case(name));
+    let first = found.next()?;
+    match found.next() {
+        None => Some(std::str::from_utf8(first.value).unwrap_or("?")),
+        Some(_) => Some("?"),
     }
 }
 

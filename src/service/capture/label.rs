@@ -7,9 +7,6 @@ use serde::Serialize;
 
 use crate::ingest::live::LabelRecord;
 
-/// Name of the metadata record.
-pub(in crate::service) const METADATA: &str = "take";
-
 /// Ratings that there are.
 const RATINGS: std::ops::RangeInclusive<u32> = 1..=5;
 

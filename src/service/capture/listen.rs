@@ -11,7 +11,7 @@ use super::health::Part;
 use super::metrics::Metrics;
 use super::seldom::Seldom;
 use crate::ingest::live::{Arrival, Arrived, Listening};
-use crate::ingest::live::{Command, DaemonLock, LiveError, Node};
+use crate::ingest::live::{Command, DaemonLock, LiveError, Node, Token};
 use crate::motion::Scene;
 
 /// Polling intervals while samples come, and after none came for [`IDLE_AFTER`].
@@ -36,8 +36,16 @@ pub(super) struct Listen {
     pub(super) stop: Arc<AtomicBool>,
     /// The scene file, for those who find the daemon's lock taken.
     pub(super) scene_file: PathBuf,
-    /// Receives once whether the services are open, with their shortcomings.
-    pub(super) opened: Sender<Result<Vec<String>, LiveError>>,
+    /// Receives once whether the services are open.
+    pub(super) opened: Sender<Result<Opened, LiveError>>,
+}
+
+/// The services are open.
+pub(super) struct Opened {
+    /// What of them is less than is wanted.
+    pub(super) shortcomings: Vec<String>,
+    /// What who directs must know.
+    pub(super) token: Token,
 }
 
 impl Listen {
@@ -53,8 +61,11 @@ impl Listen {
         // Where sending fails the daemon has given up already.
         let (_node, _lock, listening) = match open() {
             Ok((node, lock, listening)) => {
-                let shortcomings = listening.shortcomings().to_vec();
-                let _ = self.opened.send(Ok(shortcomings));
+                let opened = Opened {
+                    shortcomings: listening.shortcomings().to_vec(),
+                    token: lock.token(),
+                };
+                let _ = self.opened.send(Ok(opened));
                 (node, lock, listening)
             }
             Err(error) => {

@@ -141,7 +141,6 @@ mod viewer;
 
 pub use daemon::{CaptureJob, capture};
 pub use event::{CaptureEvent, CountsLine, MarkCounts, Status, TrackerLine};
-pub(super) use label::METADATA;
 pub use label::TakeLabel;
 pub use latency::LatencyLine;
 pub use presence::{Presence, TrackerState};

@@ -10,9 +10,14 @@ const MOST_DIGITS: usize = 7;
 const NANOSECONDS_PER_SECOND: i64 = 1_000_000_000;
 const SECONDS_PER_DAY: i64 = 86_400;
 
-/// The greatest number of a take in the folder, 0 where there is none: numbers go on over restarts.
+/// Folder in that of the takes to which those are moved that are discarded.
+pub(super) const DISCARDED: &str = "discarded";
+
+/// The greatest number of a take in the folder, discarded or not, 0 where there is none: numbers go on over restarts.
 pub(super) fn last_number(folder: &Path) -> u64 {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let folders = [folder, &folder.join(DISCARDED)];
+    let entries = folders.into_iter().flat_map(std::fs::read_dir);
+    let entries = entries.flatten().flatten();
     let numbers = entries.filter_map(|entry| {
         let name = entry.file_name();
         let (number, rest) = name.to_str()?.strip_prefix("take-")?.split_once('-')?;
@@ -101,6 +106,10 @@ mod tests {
             std::fs::write(folder.path().join(name), b"").expect("write");
         }
         assert_eq!(last_number(folder.path()), 7);
+        let aside = folder.path().join(DISCARDED);
+        std::fs::create_dir(&aside).expect("folder");
+        std::fs::write(aside.join("take-0008-20261121T171000Z.mcap"), b"").expect("write");
+        assert_eq!(last_number(folder.path()), 8);
         assert_eq!(last_number(&folder.path().join("gone")), 0);
     }
 

@@ -1,23 +1,43 @@
-//! Which pages in browsers may talk to the daemon.
+//! Which pages in browsers may talk to the daemon, and by which names it is asked.
 //!
-//! A browser says with every WebSocket and every POST which page it is for. Programs that are no
-//! browsers say nothing.
+//! A browser says with every WebSocket and every POST which page it is for, and with everything it asks the name
+//! by which it found the daemon. Programs that are no browsers may say what they like: who directs must know the
+//! daemon's token besides ([`Director::knows`](super::director::Director::knows)).
 
 /// Pages of viewers: Foxglove's web application, and desktop applications, whose pages are files.
 const KNOWN: [&str; 2] = ["https://app.foxglove.dev", "file://"];
 
 /// The pages that may.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Origins(Vec<String>);
+pub(super) struct Origins {
+    /// Further pages that may watch.
+    pages: Vec<String>,
+    /// Further names of this machine.
+    hosts: Vec<String>,
+}
 
 impl Origins {
-    /// Those that always may, and further ones; `*` stands for every page.
-    pub(super) fn new(further: &[String]) -> Self {
-        Self(further.to_vec())
+    /// Those that always may watch, and further ones, `*` for every page; the names by which the daemon may be
+    /// asked besides `localhost` and addresses in numbers.
+    pub(super) fn new(pages: &[String], hosts: &[String]) -> Self {
+        Self {
+            pages: pages.to_vec(),
+            hosts: hosts.to_vec(),
+        }
+    }
+
+    /// Whether the daemon may be asked by that name, as the header `Host` has it. Any other name may be one that
+    /// an attacker has made to lead here, so that a browser takes the daemon for the attacker's page.
+    pub(super) fn is_known(&self, host: Option<&str>) -> bool {
+        host.is_some_and(|host| {
+            let name = name_of(host);
+            let is_listed = |listed: &String| listed.eq_ignore_ascii_case(name);
+            is_address(host) || self.hosts.iter().any(is_listed)
+        })
     }
 
     fn are_listed(&self, origin: &str) -> bool {
-        self.0
+        self.pages
             .iter()
             .any(|listed| listed == "*" || listed == origin)
     }
@@ -30,14 +50,10 @@ impl Origins {
         KNOWN.contains(&origin) || is_of_this_machine(origin) || self.are_listed(origin)
     }
 
-    /// Whether a page may direct takes: only the daemon's own, as a page that the daemon served
-    /// says of itself. A name that an attacker has made to lead here is no address of the daemon.
+    /// Whether a page may direct takes, if it knows the token: only the daemon's own, as a page that the daemon
+    /// served says of itself. Pages that may watch may not direct. A program says no page.
     pub(super) fn may_direct(&self, origin: Option<&str>, host: Option<&str>) -> bool {
-        let (Some(origin), Some(host)) = (origin, host) else {
-            return false;
-        };
-        let is_own = origin.strip_prefix("http://") == Some(host) && is_address(host);
-        is_own || self.0.iter().any(|listed| listed == origin)
+        self.is_known(host) && origin.is_none_or(|origin| origin.strip_prefix("http://") == host)
     }
 }
 
@@ -55,7 +71,7 @@ fn is_of_this_machine(origin: &str) -> bool {
 /// Whether a host is `localhost` or an address in numbers, with or without a port.
 fn is_address(host: &str) -> bool {
     let name = name_of(host);
-    name == "localhost" || address(name).is_some()
+    name.eq_ignore_ascii_case("localhost") || address(name).is_some()
 }
 
 /// The host without its port.
@@ -81,7 +97,7 @@ mod tests {
     fn pages_of_strangers_may_not_watch_unless_they_are_listed() {
         let (none, listed) = (
             Origins::default(),
-            Origins::new(&["https://viewer.example".to_owned()]),
+            Origins::new(&["https://viewer.example".to_owned()], &[]),
         );
         for origin in [
             "http://localhost:8080",
@@ -106,7 +122,7 @@ mod tests {
         }
         assert!(none.may_watch(None));
         assert!(listed.may_watch(Some("https://viewer.example")));
-        assert!(Origins::new(&["*".to_owned()]).may_watch(Some("null")));
+        assert!(Origins::new(&["*".to_owned()], &[]).may_watch(Some("null")));
     }
 
     #[test]
@@ -121,7 +137,12 @@ mod tests {
             assert!(none.may_direct(Some(&format!("http://{host}")), Some(host)));
         }
         for (origin, host) in [
-            (None, Some("localhost:9464")),
+            (None, None),
+            (None, Some("evil.example:9464")),
+            (
+                Some("http://localhost.evil.example"),
+                Some("localhost.evil.example"),
+            ),
             (Some("http://localhost:9464"), None),
             (Some("http://localhost:8080"), Some("localhost:9464")),
             (Some("http://evil.example:9464"), Some("evil.example:9464")),
@@ -131,8 +152,18 @@ mod tests {
         ] {
             assert!(!none.may_direct(origin, host), "{origin:?} {host:?}");
         }
-        // That all may watch does not make all directors.
-        let all = Origins::new(&["*".to_owned()]);
-        assert!(!all.may_direct(Some("http://evil.example"), Some("127.0.0.1:9464")));
+        // That they may watch does not make them directors.
+        let viewer = "https://viewer.example";
+        for listed in ["*", viewer] {
+            let of = Origins::new(&[listed.to_owned()], &[]);
+            assert!(of.may_watch(Some(viewer)));
+            assert!(!of.may_direct(Some(viewer), Some("127.0.0.1:9464")));
+        }
+        // A name that is listed is one of the daemon's.
+        let named = Origins::new(&[], &["Mocap.local".to_owned()]);
+        let host = Some("mocap.local:9464");
+        assert!(named.is_known(host) && !none.is_known(host));
+        assert!(named.may_direct(Some("http://mocap.local:9464"), host));
+        assert!(!named.may_direct(Some("http://mocap.local.evil"), host));
     }
 }

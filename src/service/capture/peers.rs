@@ -18,7 +18,7 @@ use super::metrics::Metrics;
 use super::origin::Origins;
 use super::viewer::audience::Audience;
 use crate::config::scene_from_toml;
-use crate::ingest::live::{Arrival, stream_topics};
+use crate::ingest::live::{Arrival, Token, stream_topics};
 
 /// What a connection holds on its way, each way.
 const WAY_BYTES: usize = 1 << 10;
@@ -33,6 +33,9 @@ pub const HANDSHAKE_BYTES: usize = (64 << 10) + 4 * WAY_BYTES;
 pub const HANDSHAKE: &[u8] = b"GET / HTTP/1.1\r\nHost: localhost:8765\r\nUpgrade: websocket\r\n\
     Connection: Upgrade\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\
     Sec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: foxglove.sdk.v1\r\n\r\n";
+
+/// What who directs these servers must know.
+pub const TOKEN: &str = "000102030405060708090a0b0c0d0e0f";
 
 /// What became of a connection.
 #[derive(Debug)]
@@ -95,6 +98,7 @@ impl Ports {
     pub fn new(runs: bool) -> Self {
         let text = include_str!("../../../config/pencil_tip.toml");
         let scene = scene_from_toml(text).expect("the scene that comes along");
+        let token = Token::of_text(TOKEN).expect("a token");
         let metrics = Arc::new(Metrics::default());
         let status = watch::Sender::new(Status {
             take: runs.then_some(1),
@@ -112,7 +116,7 @@ impl Ports {
                 metrics,
                 status: status.subscribe(),
                 stop: Arc::new(AtomicBool::new(false)),
-                director: Director::new(&scene, order_sender, status.subscribe()),
+                director: Director::new(&scene, order_sender, status.subscribe(), token),
                 origins: Origins::default(),
             },
             answered: Semaphore::new(1),

@@ -6,6 +6,7 @@
 //! where the estimate took longer than [`BURDEN`].
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
@@ -15,7 +16,7 @@ use super::estimator::{guarded, occasion};
 use super::event::CaptureEvent;
 use super::metrics::Metrics;
 use super::notice::{Notice, Shown, Speaker};
-use crate::motion::{Scene, TakeEvent};
+use crate::motion::{Observer, Scene, TakeEvent};
 use crate::pipeline::Preview;
 use crate::report::{gravest, plain};
 use crate::service::words;
@@ -44,6 +45,17 @@ pub(super) struct Previewer {
     pub(super) publisher: Speaker,
     pub(super) shown: watch::Sender<Shown>,
     pub(super) metrics: Arc<Metrics>,
+    /// Set once the daemon ends and waits for no estimate any more.
+    pub(super) enough: &'static AtomicBool,
+}
+
+/// Ends an estimate when it is told to.
+struct Until<'a>(&'a AtomicBool);
+
+impl Observer for Until<'_> {
+    fn should_stop(&mut self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
 }
 
 /// A take that is followed.
@@ -73,6 +85,9 @@ impl Previewer {
                 Ok(message) => self.take_in(&mut following, message),
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return,
+            }
+            if self.enough.load(Ordering::Relaxed) {
+                continue;
             }
             let Some(following) = following.as_mut().filter(|f| f.is_due) else {
                 continue;
@@ -120,7 +135,7 @@ impl Previewer {
         following.is_due = false;
         let begun = Instant::now();
         let outcome = guarded(|| {
-            let previewed = following.preview.estimate(&mut ())?;
+            let previewed = following.preview.estimate(&mut Until(self.enough))?;
             Ok(previewed.map(|previewed| (previewed.is_warm, previewed.outcome.clone())))
         });
         let took = begun.elapsed();

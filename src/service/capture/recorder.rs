@@ -108,7 +108,18 @@ impl Recorder {
             });
         }
         let runs = state.take.is_some();
-        match Command::of(record.command) {
+        let command = Command::of(record.command);
+        let directs = command.is_some_and(|command| command != Command::Ask);
+        if directs && !self.token.lets_in(&record.token) {
+            let reason = "without the daemon's token nobody directs it: `enact take` reads it from a file of the user \
+                          who runs the daemon, or from --token FILE";
+            let said = CaptureEvent::Refused {
+                command: record.command,
+                reason: reason.to_owned(),
+            };
+            return self.publisher.say_at_once(Notice::asked(said, asked));
+        }
+        match command {
             Some(Command::Start) => {
                 if runs {
                     self.stop(state, asked);
@@ -153,6 +164,7 @@ impl Recorder {
                 .map(|pulse| pulse.state(known))
                 .collect(),
             troubles,
+            page: self.page.clone(),
         }
     }
 }

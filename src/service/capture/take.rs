@@ -4,12 +4,13 @@ use std::path::Path;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use super::event::{CountsLine, MarkCounts, TrackerLine};
-use super::label::{METADATA, TakeLabel};
+use super::label::TakeLabel;
 use super::latency::Latencies;
 use crate::config::CaptureSettings;
 use crate::ingest::live::{Before, Stream, StreamTopic, Streamed, stamp_mark};
 use crate::ingest::live::{MarkRecord, PoseRecord};
 use crate::motion::{Scene, Stamp, TakeEvent};
+use crate::write::topics::TAKE_METADATA;
 use crate::write::{Journal, WriteError};
 
 /// A chunk is closed after this share of the time that samples may be in an open one: the rest is
@@ -184,7 +185,7 @@ impl Take {
     pub(super) fn note_end(&mut self) -> Result<(), WriteError> {
         self.note_counts()?;
         let pairs = self.label.pairs(self.number);
-        self.journal.note(METADATA, pairs)
+        self.journal.note(TAKE_METADATA, pairs)
     }
 
     /// Number of accepted marks.

@@ -39,6 +39,14 @@ pub enum LiveError {
         /// Which, if it says so.
         daemon: Option<DaemonProcess>,
     },
+    /// The daemon's token cannot be read: only its user may direct it.
+    #[error("{}: the daemon's token cannot be read: {reason}; who runs the daemon may direct it, or whom they give a copy (--token FILE)", path.display())]
+    Token {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        reason: String,
+    },
     /// A topic gives no valid name of a service.
     #[error("{name:?} is no name of a service: {reason}")]
     Name {

@@ -8,7 +8,7 @@
 //! |---|---|---|---|
 //! | `enact<topic>`, as in `enact/tracker/pencil/pose` | [`PoseRecord`] `enact.Pose.1` | a tracker's driver | poses of the body with that topic in the scene |
 //! | `enact<marks_topic>`, as in `enact/marks` | [`MarkRecord`] `enact.Mark.1` | a foot pedal, a key | an event happens now |
-//! | `enact/control` | [`ControlRecord`] `enact.Control.1` | a remote control | start, stop or discard a take, ask how it stands |
+//! | `enact/control` | [`ControlRecord`] `enact.Control.2` | a remote control that knows the daemon's [`token`] | start, stop or discard a take; ask how it stands, which wants no token |
 //! | `enact/take` | [`TakeRecord`] `enact.Take.1` | `enact capture` | what became of the takes |
 //! | `enact/label` | [`LabelRecord`] `enact.Label.1` | a remote control | name, note and rating of the take that runs |
 //! | `enact/answer` | [`AnswerRecord`] `enact.Answer.1` | `enact capture` | what it says, as JSON in parts: answers to commands, trackers that fall silent, verdicts |
@@ -25,6 +25,10 @@
 //! (command 4) and wait for the answer, which comes after everything sent before the command was
 //! taken.
 //!
+//! Who directs carries the daemon's [`Token`]: it is in a file beside the daemon's lock, which only the user can read
+//! who runs the daemon ([`token_of_daemon`]); a command without it is refused. Marks and labels want none: the services
+//! are files of that user, too.
+//!
 //! Every command is answered on `enact/take` by a record with its session and sequence number. A
 //! client without an answer sends the same bytes again: a command is executed once.
 //!
@@ -36,8 +40,9 @@ mod daemon_lock;
 mod error;
 mod node;
 pub mod payload;
+pub mod token;
 
-pub use daemon_lock::{DaemonLock, running_daemon};
+pub use daemon_lock::{DaemonLock, running_daemon, token_of_daemon};
 pub use error::{DaemonProcess, LiveError};
 pub use node::{
     ANSWER_SERVICE, CONTRACT, CONTROL_SERVICE, ESTIMATE_SERVICE, LABEL_SERVICE, LiveService, Node,
@@ -47,3 +52,4 @@ pub use payload::{
     AnswerRecord, Command, ControlRecord, EstimateRecord, EstimatedPoseRecord, LabelRecord,
     MarkRecord, NO_TIME, PoseRecord, TakeRecord, TakeState,
 };
+pub use token::Token;

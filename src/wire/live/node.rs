@@ -68,7 +68,7 @@ impl Quality {
 pub const CONTRACT: [(&str, Quality); 8] = [
     ("enact.Pose.1", Quality::POSES),
     ("enact.Mark.1", Quality::NOTES),
-    ("enact.Control.1", Quality::NOTES),
+    ("enact.Control.2", Quality::NOTES),
     ("enact.Take.1", Quality::NOTES),
     ("enact.Estimate.1", Quality::NOTES),
     ("enact.EstimatedPose.1", Quality::FRAMES),

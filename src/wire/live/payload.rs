@@ -5,6 +5,7 @@
 
 use iceoryx2::prelude::ZeroCopySend;
 
+use super::token::TOKEN_BYTES;
 use crate::motion::{Mark, PoseSample, Stamp};
 
 /// The value of a time that is not known.
@@ -68,11 +69,11 @@ pub struct MarkRecord {
     pub session: u32,
 }
 
-/// A command to the daemon: `enact.Control.1`, 24 bytes. The same bytes again are the same
+/// A command to the daemon: `enact.Control.2`, 40 bytes. The same bytes again are the same
 /// command: it is answered as before and not executed twice.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, ZeroCopySend)]
-#[type_name("enact.Control.1")]
+#[type_name("enact.Control.2")]
 pub struct ControlRecord {
     /// As [`PoseRecord::sequence`].
     pub sequence: u64,
@@ -82,6 +83,8 @@ pub struct ControlRecord {
     pub command: u32,
     /// As [`PoseRecord::session`].
     pub session: u32,
+    /// The daemon's [`Token`](super::token::Token); of [`Command::Ask`] it is not looked at.
+    pub token: [u8; TOKEN_BYTES],
 }
 
 /// What a director says of the take that runs: `enact.Label.1`, 1304 bytes. Of several the later
@@ -138,7 +141,7 @@ pub enum Command {
     Start,
     /// 2: end the take and estimate it.
     Stop,
-    /// 3: end the take and remove it.
+    /// 3: end the take and move it aside.
     Discard,
     /// 4: report the state; changes nothing.
     Ask,
@@ -482,7 +485,7 @@ mod tests {
         assert_eq!(size_of::<PoseRecord>(), 96);
         assert_eq!(pose().to_bytes().len(), 96);
         assert_eq!(size_of::<MarkRecord>(), 296);
-        assert_eq!(size_of::<ControlRecord>(), 24);
+        assert_eq!(size_of::<ControlRecord>(), 40);
         assert_eq!(size_of::<TakeRecord>(), 48);
         assert_eq!(size_of::<EstimateRecord>(), 96);
         assert_eq!(size_of::<EstimatedPoseRecord>(), 96);

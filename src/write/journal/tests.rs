@@ -219,6 +219,9 @@ fn names_that_are_taken_are_refused() {
     first.finish().expect("finish");
     assert!(matches!(again(&path), Err(WriteError::Exists { .. })));
     let discarded = folder.path().join("other.mcap");
-    journal(&discarded).discard().expect("discard");
-    assert_eq!(fs::read_dir(folder.path()).expect("list").count(), 1);
+    let aside = folder.path().join("discarded");
+    let kept = journal(&discarded).set_aside(&aside).expect("moved");
+    assert_eq!(kept, aside.join("other.mcap"));
+    assert!(fs::read(&kept).is_ok());
+    assert_eq!(fs::read_dir(folder.path()).expect("list").count(), 2);
 }

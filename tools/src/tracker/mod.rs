@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use clap::Parser;
-use enact::ingest::live::{Command, Node, TakeListener};
+use enact::ingest::live::{Command, Node, TakeListener, Token, token_of_daemon};
 use enact::write::TrackerPublisher;
 
 use crate::perform::wish::{Manner, Motion, Wanted};
@@ -93,6 +93,7 @@ struct Director<'a> {
     session: u32,
     sequence: u64,
     wait: Duration,
+    token: Token,
 }
 
 impl<'a> Director<'a> {
@@ -108,6 +109,7 @@ impl<'a> Director<'a> {
             session,
             sequence: 0,
             wait: Duration::try_from_secs_f64(arguments.wait)?,
+            token: token_of_daemon(arguments.iceoryx2.as_deref())?.unwrap_or(Token::NONE),
         })
     }
 
@@ -140,9 +142,9 @@ impl<'a> Director<'a> {
         let mut heard: Option<Instant> = None;
         while begun.elapsed() < self.wait {
             if heard.is_none_or(|at| at.elapsed() > REPEAT) {
-                let subscribers = self
-                    .publisher
-                    .control(command, session, sequence, asked_ns)?;
+                let subscribers =
+                    self.publisher
+                        .control(command, (session, sequence), asked_ns, self.token)?;
                 heard = (subscribers > 0).then(Instant::now);
             }
             while let Some(answer) = self.answers.next()? {

@@ -35,7 +35,7 @@ fn is_asked(ports: &Ports, bytes: &[u8]) -> u16 {
     let met = ports.asks(bytes);
     assert!(met.taken <= REQUEST_BYTES, "{} bytes", met.taken);
     let status = status(&met.sent);
-    let known = [200, 202, 400, 403, 404, 405, 409, 411, 413, 431];
+    let known = [200, 202, 400, 403, 404, 405, 409, 411, 413, 421, 431];
     assert!(known.contains(&status), "{status}");
     assert_eq!(met.orders > 0, status == 202, "{} orders", met.orders);
     status
@@ -62,11 +62,22 @@ fn request() -> impl Strategy<Value = Vec<u8>> {
         "/[ -~]{0,40}",
         "\\PC{0,40}",
     ];
-    let name = prop::sample::select(vec!["Host", "Origin", "Content-Length", "X", "host", ""]);
+    let names = vec![
+        "Host",
+        "Origin",
+        "Content-Length",
+        "Authorization",
+        "X",
+        "host",
+        "",
+    ];
+    let name = prop::sample::select(names);
     let value = prop_oneof![
         prop::sample::select(vec![
             "127.0.0.1:9464",
             "http://127.0.0.1:9464",
+            "Bearer 000102030405060708090a0b0c0d0e0f",
+            "Bearer 0",
             "0",
             "19",
             "8192",
@@ -119,7 +130,9 @@ fn whatever_is_asked_is_answered_and_little_of_it_is_kept() {
 #[test]
 fn requests_without_end_are_cut_off() {
     let ports = Ports::new(false);
-    let own = "Host: 127.0.0.1:9464\r\nOrigin: http://127.0.0.1:9464\r\n";
+    let own = format!(
+        "Host: 127.0.0.1:9464\r\nOrigin: http://127.0.0.1:9464\r\nAuthorization: Bearer {TOKEN}\r\n"
+    );
     let long = |start: &str, more: &str, bytes: usize| {
         let mut text = start.to_owned();
         while text.len() < bytes {

@@ -21,7 +21,7 @@ use super::super::seldom::Seldom;
 use super::super::take::Take;
 use super::super::viewer::Feed;
 use crate::config::CaptureSettings;
-use crate::ingest::live::{Arrival, ControlRecord, StreamTopic};
+use crate::ingest::live::{Arrival, ControlRecord, StreamTopic, Token};
 use crate::motion::Scene;
 
 /// The inputs of the thread.
@@ -38,6 +38,10 @@ pub(in super::super) struct Recorder {
     pub(in super::super) metrics: Arc<Metrics>,
     /// Queue to the viewers, if they are served.
     pub(in super::super) feed: Option<Feed>,
+    /// What who directs must know.
+    pub(in super::super) token: Token,
+    /// Address of the operator's page, if it is served.
+    pub(in super::super) page: Option<String>,
     /// What the operator's page directs.
     pub(in super::super) orders: Receiver<Arrival>,
 }

@@ -6,11 +6,11 @@ use std::time::Instant;
 use super::super::estimator::Finished;
 use super::super::event::CaptureEvent;
 use super::super::health::Part;
-use super::super::naming::take_path;
+use super::super::naming::{DISCARDED, take_path};
 use super::super::notice::Notice;
 use super::super::take::{Take, now_ns};
 use super::state::{Recorder, RecorderState};
-use crate::ingest::live::{Arrival, Arrived, ControlRecord};
+use crate::ingest::live::{Arrival, Arrived, Command, ControlRecord};
 use crate::write::WriteError;
 
 /// Greatest number of messages of a take that the daemon estimates; `enact process` estimates
@@ -21,7 +21,15 @@ const FINAL_MESSAGES: u64 = 2_000_000;
 const ANSWERS: usize = 16;
 
 impl Recorder {
+    /// Begins a take; where it is known that none can be written, none is begun.
     pub(super) fn start(&self, state: &mut RecorderState, asked: Option<&ControlRecord>) {
+        if let Some(reason) = self.metrics.health.of_folder(&self.settings.folder) {
+            let said = CaptureEvent::Refused {
+                command: Command::Start.number(),
+                reason,
+            };
+            return self.answer(state, said, asked);
+        }
         state.takes += 1;
         let begun = Instant::now();
         state.preroll.forget(begun);
@@ -40,13 +48,14 @@ impl Recorder {
                 let kept = state.preroll.take(begun);
                 let pulses = state.pulses.iter();
                 let unheard = pulses.filter(|pulse| !pulse.is_sending());
+                self.metrics.health.say(Part::Take, None);
                 let said = CaptureEvent::Started {
+                    troubles: self.metrics.health.troubles(begun),
                     take: state.takes,
                     recording: path.display().to_string(),
                     unheard: unheard.map(|pulse| pulse.topic().to_owned()).collect(),
                     before: kept.len() as u64,
                 };
-                self.metrics.health.say(Part::Take, None);
                 self.answer(state, said, asked);
                 take.is_catching_up = true;
                 let caught_up = kept.iter().try_for_each(|arrival| {
@@ -124,19 +133,32 @@ impl Recorder {
             }));
     }
 
+    /// Ends the take and moves it aside; nothing is deleted.
     pub(super) fn discard(&self, state: &mut RecorderState, asked: Option<&ControlRecord>) {
-        let Some(take) = state.take.take() else {
+        let Some(mut take) = state.take.take() else {
             return;
         };
+        if let Err(error) = take.note_end() {
+            state.take = Some(take);
+            return self.give_up(state, &error);
+        }
         state.end_of(&take);
         let number = take.number;
-        if let Err(error) = take.journal.discard() {
-            self.publisher
-                .say_at_once(Notice::of(CaptureEvent::Warning {
-                    text: error.to_string(),
-                }));
-        }
-        self.answer(state, CaptureEvent::Discarded { take: number }, asked);
+        let aside = self.settings.folder.join(DISCARDED);
+        let recording = match take.journal.set_aside(&aside) {
+            Ok(path) => Some(path.display().to_string()),
+            Err(error) => {
+                let text = format!("take {number} is not moved aside: {error}");
+                let warning = CaptureEvent::Warning { text };
+                self.publisher.say_at_once(Notice::of(warning));
+                None
+            }
+        };
+        let said = CaptureEvent::Discarded {
+            take: number,
+            recording,
+        };
+        self.answer(state, said, asked);
     }
 
     /// Stops recording after an error: the journal so far becomes a file, if possible.

@@ -11,7 +11,7 @@ use super::super::notice;
 use super::super::presence::Presence;
 use super::*;
 use crate::config::capture_from_toml;
-use crate::ingest::live::{PoseRecord, stream_topics};
+use crate::ingest::live::{PoseRecord, Token, stream_topics};
 
 /// A recorder for that folder, with what it hands on to be synced.
 fn recorder(folder: &Path) -> (Recorder, Receiver<File>) {
@@ -34,6 +34,8 @@ fn recorder(folder: &Path) -> (Recorder, Receiver<File>) {
         status: watch::Sender::new(Status::default()),
         metrics,
         feed: None,
+        token: Token::NONE,
+        page: None,
         orders: std::sync::mpsc::channel().1,
     };
     (recorder, files)

@@ -159,6 +159,12 @@ impl Server {
         let header = |name: &str| request.headers().get(name).map(|value| value.to_str());
         // A value that is no text is no page that is allowed.
         let origin = header("origin").map(|origin| origin.unwrap_or("?"));
+        let host = header("host").map(|host| host.unwrap_or("?"));
+        let is_one = request.headers().get_all("host").iter().count() == 1;
+        if !is_one || !self.origins.is_known(host) {
+            let why = "ask for an address in numbers or for localhost, or list the name in the scene, [capture] hosts";
+            return Err((StatusCode::MISDIRECTED_REQUEST, why));
+        }
         if !self.origins.may_watch(origin) {
             let why = "this page may not watch: list it in the scene, [capture] origins";
             return Err((StatusCode::FORBIDDEN, why));
