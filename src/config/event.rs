@@ -6,7 +6,7 @@ use super::error::{Fault, fault};
 use super::free_flight;
 use super::held::check_collision;
 use super::law::{self, BodyLaws, Laws};
-use super::number::{finite, index_of, name, positive, unique};
+use super::number::{Taken, finite, index_of, name, positive};
 use super::raw::{Number, RawCount, RawEvent, Text};
 use crate::motion::{
     Collision, ContactLawIndex, Event, EventKind, EventTime, Link, LinkIndex, Partner, Scene,
@@ -22,15 +22,11 @@ pub(super) fn events(
     laws: &mut Laws,
 ) -> Result<Vec<Event>, Fault> {
     let mut events: Vec<Event> = Vec::new();
+    let mut taken = Taken::default();
     for (index, spanned) in raw.iter().enumerate() {
         let event = spanned.get_ref();
         let name = name("event", &event.name)?;
-        unique(
-            "event",
-            &event.name,
-            &name,
-            events.iter().map(|e| e.name.as_str()),
-        )?;
+        taken.take("event", &event.name, &name)?;
         let kind = match event.kind.get_ref().as_str() {
             "start" if index > 0 => {
                 return fault(

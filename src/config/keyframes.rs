@@ -6,6 +6,9 @@
 mod csv;
 mod tables;
 
+#[cfg(test)]
+pub(super) use self::tables::RawFile;
+
 use std::collections::BTreeMap;
 use std::ops::Range;
 

@@ -1,5 +1,7 @@
 //! Checks of numbers, names, vectors and poses; errors point to their place in the text.
 
+use std::collections::BTreeSet;
+
 use crate::config::spanned::Spanned;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
@@ -183,11 +185,15 @@ pub(super) fn index_of<'a>(
     text: &Text,
     defined: impl IntoIterator<Item = &'a str>,
 ) -> Result<usize, Fault> {
-    let defined: Vec<&str> = defined.into_iter().collect();
     let wanted = text.get_ref();
-    if let Some(index) = defined.iter().position(|name| name == wanted) {
-        return Ok(index);
+    let mut others = Vec::new();
+    for (index, name) in defined.into_iter().enumerate() {
+        if name == wanted {
+            return Ok(index);
+        }
+        others.push(name);
     }
+    let defined = others;
     let expected = match defined.as_slice() {
         [] => format!("but no {what} is defined"),
         [one] => format!("expected {one:?}"),
@@ -197,6 +203,24 @@ pub(super) fn index_of<'a>(
         text.span(),
         format!("unknown {what} {wanted:?}, {expected}"),
     )
+}
+
+/// Names that are taken, of many: [`unique`] looks through all of them.
+#[derive(Default)]
+pub(super) struct Taken(BTreeSet<String>);
+
+impl Taken {
+    /// Takes a name. Refuses the second of two equal ones.
+    pub(super) fn take<T>(
+        &mut self,
+        what: &str,
+        text: &Spanned<T>,
+        name: &str,
+    ) -> Result<(), Fault> {
+        let is_new = self.0.insert(name.to_owned());
+        let before = if is_new { None } else { Some(name) };
+        unique(what, text, name, before)
+    }
 }
 
 /// Refuses the second of two equal names.

@@ -11,7 +11,9 @@ use super::goal::{check, goals};
 use super::held::hold;
 use super::joint::{join, refuse_dependent, refuse_free};
 use super::law::{self, Laws};
-use super::number::{direction, name, pose, positive, topic, unique, vector, vector_from_mm};
+use super::number::{
+    Taken, direction, name, pose, positive, topic, unique, vector, vector_from_mm,
+};
 use super::parameter::parameters;
 use super::raw::{Number, RawObstacle, RawScene, RawSurface, RawTiming, RawWeights, Text};
 use super::rest::{rest_goals, split};
@@ -272,16 +274,12 @@ fn bodies(
     weights: &Weights,
 ) -> Result<Vec<(FreeBody, Vec<Track>, Pose)>, Fault> {
     let mut bodies: Vec<(FreeBody, Vec<Track>, Pose)> = Vec::new();
+    let mut names = Taken::default();
     let mut taken = vec![marks_topic.to_owned()];
     for spanned in &raw.body {
         let raw_body = spanned.get_ref();
         let (body, tracks, link_from_given) = body(spanned, weights)?;
-        unique(
-            "body",
-            &raw_body.name,
-            &body.name,
-            bodies.iter().map(|(body, ..)| body.name.as_str()),
-        )?;
+        names.take("body", &raw_body.name, &body.name)?;
         for (number, track) in tracks.iter().enumerate() {
             let own = raw_body.track.get(number);
             let own = own.and_then(|raw| raw.get_ref().topic.as_ref());
@@ -308,10 +306,10 @@ fn bodies(
 /// The surfaces; boards are obstacles too, which are appended to those.
 fn surfaces(raw: &[RawSurface], obstacles: &mut Vec<Obstacle>) -> Result<Vec<Surface>, Fault> {
     let mut surfaces: Vec<Surface> = Vec::new();
+    let mut names = Taken::default();
     for surface in raw {
         let name = name("surface", &surface.name)?;
-        let taken = surfaces.iter().map(|s| s.name.as_str());
-        unique("surface", &surface.name, &name, taken)?;
+        names.take("surface", &surface.name, &name)?;
         let point_m = vector_from_mm("point_mm", &surface.point_mm)?;
         let normal = direction("normal", &surface.normal)?;
         let board = board(surface, &name, (point_m, normal))?;
@@ -364,10 +362,10 @@ fn add_obstacles(raw: &RawScene, obstacles: &[Obstacle], surfaces: &mut Vec<Surf
 
 fn obstacles(raw: &[RawObstacle]) -> Result<Vec<Obstacle>, Fault> {
     let mut obstacles: Vec<Obstacle> = Vec::new();
+    let mut names = Taken::default();
     for obstacle in raw {
         let name = name("obstacle", &obstacle.name)?;
-        let taken = obstacles.iter().map(|o| o.name.as_str());
-        unique("obstacle", &obstacle.name, &name, taken)?;
+        names.take("obstacle", &obstacle.name, &name)?;
         let placed = shape("the obstacle", &obstacle.shape, &OBSTACLE_SIZE)?;
         let world_from_given = pose(
             "the obstacle",

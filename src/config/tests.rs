@@ -9,6 +9,7 @@ use crate::motion::{
 use crate::physics::body::Symmetry;
 use crate::physics::{Shape, contact};
 
+mod counted;
 mod frames;
 mod free;
 mod goals;

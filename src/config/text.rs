@@ -1,6 +1,7 @@
 //! Entry points: from the text of a scene file to a checked scene, or to an error with its place.
 
 use super::capture::{CaptureSettings, capture};
+use super::counted;
 use super::error::SceneError;
 use super::raw::RawScene;
 use super::scene::scene;
@@ -24,7 +25,7 @@ pub fn scene_from_toml(text: &str) -> Result<Scene, SceneError> {
 
 /// The text parsed, with only its types checked.
 fn parse(text: &str) -> Result<RawScene, SceneError> {
-    toml::from_str(text).map_err(|error| SceneError::from_toml(text, &error))
+    counted::read(text)
 }
 
 /// A checked scene and its capture settings, from the text of a scene file. Fails with the place of

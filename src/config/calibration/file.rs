@@ -1,9 +1,11 @@
 //! The calibration file as it is written and read.
 
 use nalgebra::Vector3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::super::counted;
 use super::super::error::SceneError;
 use super::super::rest::axis;
 use crate::motion::Link;
@@ -23,7 +25,7 @@ pub enum CalibrationError {
 }
 
 /// What a calibration found.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
     /// `pivot`, `plane`, `rest`, `gravity` or `clock`.
@@ -46,7 +48,7 @@ pub struct Calibration {
 }
 
 /// A stream that a calibration was made of.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SourceLine {
     /// The recording.
@@ -66,7 +68,7 @@ pub struct SourceLine {
 }
 
 /// A quantity with its interval, number by number.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CalibratedQuantity {
     /// What it is, with its axes.
@@ -84,7 +86,7 @@ pub struct CalibratedQuantity {
 }
 
 /// Keys of a scene, as the scene has them.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SceneValues {
     /// `gravity_m_s2`.
@@ -109,7 +111,7 @@ impl SceneValues {
 }
 
 /// Keys of a `[[body]]` that has this name.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct BodyValues {
     /// Which body.
@@ -129,7 +131,7 @@ pub struct BodyValues {
 }
 
 /// Keys of a `[[body.track]]` that has this name.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrackValues {
     /// Which track of the body.
@@ -139,7 +141,7 @@ pub struct TrackValues {
 }
 
 /// Where a tracker is mounted.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackerValue {
     /// `position_mm`.
@@ -151,7 +153,7 @@ pub struct TrackerValue {
 }
 
 /// A `[[surface]]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceValue {
     /// Its name.
@@ -163,7 +165,7 @@ pub struct SurfaceValue {
 }
 
 /// A `[[free]]` quantity of a clock, whose prior is the interval.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FreeValue {
     /// Its name.
@@ -185,8 +187,7 @@ pub struct FreeValue {
 impl Calibration {
     /// The calibration in a text. Fails with the place of the first error.
     pub fn from_toml(text: &str) -> Result<Self, CalibrationError> {
-        toml::from_str(text)
-            .map_err(|error| CalibrationError::File(SceneError::from_toml(text, &error)))
+        counted::read(text).map_err(CalibrationError::File)
     }
 
     /// Its text. Fails where a number cannot be written, such as a stamp beyond 64 bits.

@@ -2,22 +2,24 @@
 
 use std::ops::Range;
 
-use crate::config::spanned::Spanned;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{Placed, Written};
+use crate::config::counted;
 use crate::config::error::{Fault, SceneError};
+use crate::config::spanned::Spanned;
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct RawFile {
+pub(in crate::config) struct RawFile {
     #[serde(default)]
     keyframe: Vec<Spanned<RawKeyframe>>,
     #[serde(default)]
     mark: Vec<Spanned<RawMark>>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct RawKeyframe {
     body: Option<Spanned<String>>,
@@ -37,7 +39,7 @@ struct RawKeyframe {
     orientation_sd_deg: Option<Spanned<f64>>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct RawMark {
     event: Spanned<String>,
@@ -46,7 +48,7 @@ struct RawMark {
 }
 
 pub(super) fn rows(text: &str) -> Result<Vec<Written>, SceneError> {
-    let raw: RawFile = toml::from_str(text).map_err(|e| SceneError::from_toml(text, &e))?;
+    let raw: RawFile = counted::read(text)?;
     let keyframes = raw.keyframe.into_iter().map(|raw| {
         let span = raw.span();
         keyframe(span, raw.into_inner())

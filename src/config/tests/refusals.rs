@@ -62,7 +62,7 @@ fn wrong_syntax_and_types_have_a_place() {
         &with("normal = [0, 0, 2]", "normal = [0, 2]"),
         21,
         "[0, 2]",
-        "length 3",
+        "`normal` has 2 numbers, expected 3",
     );
     refused(&with("[[goal]]", "[goal]"), 44, "", "[[name]]");
     refused(
