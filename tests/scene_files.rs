@@ -202,7 +202,7 @@ fn what_the_reader_refuses_by_its_types_the_schema_refuses_too() {
 fn every_object_becomes_a_scene_that_is_checked() {
     let (folder, schema) = (folder(), Schema::of_program());
     let listed = stdout(folder.path(), &["scene", "objects"], 0);
-    assert_eq!(PRESETS.len(), 10);
+    assert_eq!(PRESETS.len(), 16);
     for preset in PRESETS {
         assert!(listed.contains(preset.name) && listed.contains(preset.source));
         for lands in [None, Some("+z")] {
@@ -309,7 +309,43 @@ fn materials_are_as_their_sources_say() {
             false => assert!(bounds.is_empty()),
         }
         assert_eq!(text.contains("\nfriction_sd = 0."), !bounces, "{text}");
+        // A ball of that name bounces so: its size and mass are that ball's.
+        let link = scene.links.iter().next().expect("a ball");
+        let (radius_mm, mass_g) = match material.name {
+            "table-tennis-ball" | "table-tennis-table" => (20.0, 2.7),
+            "football" => (110.0, 430.0),
+            "basketball" => (122.0, 610.0),
+            "baseball" => (36.9, 145.0),
+            _ => (33.5, 57.7),
+        };
+        assert!(
+            (link.shape.radius_m() * 1e3 - radius_mm).abs() < 1e-9,
+            "{}",
+            material.name
+        );
+        assert!(
+            (link.body.mass_kg() * 1e3 - mass_g).abs() < 1e-9,
+            "{}",
+            material.name
+        );
     }
+    let other = enact(folder.path())
+        .args([
+            "scene",
+            "new",
+            "mug",
+            "--material",
+            "football",
+            "-o",
+            "x.toml",
+        ])
+        .output()
+        .expect("it runs");
+    let said = String::from_utf8_lossy(&other.stderr);
+    assert!(
+        other.status.code() == Some(1) && said.contains("expected `scene new football`"),
+        "{said}"
+    );
     let output = enact(folder.path())
         .args([
             "scene",

@@ -2,6 +2,7 @@
 //! they let balls differ; and how surfaces rub, by a table of friction. None states both.
 
 use super::keys::nearest;
+use super::preset::TENNIS_BALL;
 
 /// What a rule states.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +25,8 @@ pub struct Material {
     /// The rule, and what it states.
     pub source: &'static str,
     stated: Stated,
+    /// The object at hand that bounces so, by its name; none where it is only how something rubs.
+    pub(super) object: Option<&'static str>,
 }
 
 /// All of them.
@@ -37,6 +40,7 @@ pub const MATERIALS: &[Material] = &[
             drop_m: 2.54,
             rebound_m: [1.35, 1.47],
         },
+        object: Some(TENNIS_BALL),
     },
     Material {
         name: "table-tennis-ball",
@@ -47,6 +51,7 @@ pub const MATERIALS: &[Material] = &[
             drop_m: 0.305,
             rebound_m: [0.240, 0.265],
         },
+        object: Some("table-tennis-ball"),
     },
     Material {
         name: "table-tennis-table",
@@ -57,6 +62,7 @@ pub const MATERIALS: &[Material] = &[
             drop_m: 0.30,
             rebound_m: [0.23, 0.23],
         },
+        object: Some("table-tennis-ball"),
     },
     Material {
         name: "football",
@@ -67,6 +73,7 @@ pub const MATERIALS: &[Material] = &[
             drop_m: 2.0,
             rebound_m: [1.35, 1.55],
         },
+        object: Some("football"),
     },
     Material {
         name: "basketball",
@@ -81,6 +88,7 @@ pub const MATERIALS: &[Material] = &[
                 1.4 - 0.75 / std::f64::consts::PI,
             ],
         },
+        object: Some("basketball"),
     },
     Material {
         name: "baseball",
@@ -88,6 +96,7 @@ pub const MATERIALS: &[Material] = &[
         source: "Major League Baseball: fired at a slab of northern white ash at 85 feet per second it comes back at \
                  0.514 to 0.578 of that; slower ones come back at more",
         stated: Stated::Ratio([0.514, 0.578]),
+        object: Some("baseball"),
     },
     rubs("wood-on-wood", "wood on wood", [0.3, 0.5]),
     rubs("metal-on-wood", "metal on wood", [0.3, 0.5]),
@@ -103,6 +112,7 @@ const fn rubs(name: &'static str, what: &'static str, between: [f64; 2]) -> Mate
         source: "S. A. Hill, How and Why, chapter Motion, table Coefficients of Friction: kinetic to static, a textbook's \
                  round values; surfaces differ",
         stated: Stated::Friction(between),
+        object: None,
     }
 }
 

@@ -141,7 +141,8 @@
 //! in the last `chunk_ms + sync_ms`. Takes begin and end on command; with
 //! `pre_roll_s` a take begins with what came in so many seconds before its start. `viewer_port` serves
 //! viewers, `metrics_port` the operator's page, health and metrics, both at the address `listen`;
-//! pages in browsers from elsewhere may watch if they are among `origins`.
+//! pages in browsers from elsewhere may watch if they are among `origins`. Both answer who asks for `localhost`, for
+//! an address in numbers, or for one of `hosts`.
 #![doc = "\n"]
 #![doc = include_str!("../../docs/scene.md")]
 
@@ -150,6 +151,7 @@ mod body;
 mod calibration;
 mod capture;
 mod check;
+mod counted;
 mod error;
 mod event;
 mod frame;

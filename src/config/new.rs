@@ -8,7 +8,7 @@ use super::error::SceneError;
 use super::keys::nearest;
 use super::material::{Coefficient, Material};
 use super::mesh::{MeshError, MeshFormat, mesh};
-use super::preset::{PRESETS, Preset, preset};
+use super::preset::{PRESETS, Preset, TENNIS_BALL, preset};
 use super::text::scene_from_toml;
 use crate::physics::shape::TriangleMesh;
 
@@ -146,6 +146,7 @@ pub fn new_scene(of: &NewScene) -> Result<MadeScene, NewSceneError> {
     let (name, title, mut body, feature) = match &of.object {
         NewObject::Preset(name) => {
             let preset = preset(name).ok_or_else(|| unknown(name))?;
+            let preset = meant(preset, material)?;
             let body = of_preset(preset, of.mass_g, of.size_mm)?;
             (
                 preset.name.to_owned(),
@@ -174,6 +175,12 @@ pub fn new_scene(of: &NewScene) -> Result<MadeScene, NewSceneError> {
             }
             let mesh = mesh(bytes, *format, *unit_m, *take_hull)?;
             let body = of_mesh(&mesh, mass_g, &mut notes)?;
+            if *format == MeshFormat::Glb {
+                notes.push(
+                    "glTF is y up, the scene z up: x, y, z of the body are x, -z, y of the file"
+                        .into(),
+                );
+            }
             let title = format!("{name}, of a mesh; in the frame of the mesh");
             (name.clone(), title, body, None)
         }
@@ -263,6 +270,25 @@ pub fn new_scene(of: &NewScene) -> Result<MadeScene, NewSceneError> {
     }
     scene_from_toml(&toml).map_err(NewSceneError::Refused)?;
     Ok(MadeScene { toml, name, notes })
+}
+
+/// The object that is meant with a material: of "ball", the ball that bounces so. Fails where another object is named
+/// than the one that does.
+fn meant(
+    named: &'static Preset,
+    material: Option<&'static Material>,
+) -> Result<&'static Preset, NewSceneError> {
+    let Some((material, object)) = material.and_then(|of| Some((of, of.object?))) else {
+        return Ok(named);
+    };
+    let bounces = preset(object).filter(|of| named.name == TENNIS_BALL || of.name == named.name);
+    bounces.ok_or_else(|| NewSceneError::Material {
+        name: material.name.to_owned(),
+        expected: format!(
+            "for {:?}: {} bounces so, expected `scene new {object}`",
+            named.name, material.what
+        ),
+    })
 }
 
 fn unknown(name: &str) -> NewSceneError {

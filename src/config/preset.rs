@@ -49,6 +49,9 @@ impl Preset {
     }
 }
 
+/// The ball that is meant where none is named.
+pub(super) const TENNIS_BALL: &str = "ball";
+
 /// All of them.
 pub const PRESETS: &[Preset] = &[
     Preset {
@@ -120,7 +123,7 @@ pub const PRESETS: &[Preset] = &[
         feature: None,
     },
     Preset {
-        name: "ball",
+        name: TENNIS_BALL,
         what: "a tennis ball; origin in the middle",
         source: "International Tennis Federation, Rules of Tennis, appendix I: 65.4 to 68.6 mm, 56.0 to 59.4 g, \
                  1.35 to 1.47 m high after a fall of 2.54 m, which is a restitution of 0.73 to 0.76",
@@ -129,6 +132,68 @@ pub const PRESETS: &[Preset] = &[
                restitution = 0.745\nfriction = 0.5\n",
         parts: "",
         feature: None,
+    },
+    Preset {
+        name: "table-tennis-ball",
+        what: "a table tennis ball; origin in the middle",
+        source: "International Table Tennis Federation, Laws of Table Tennis, 2.3: 40 mm, 2.7 g; a wall of 0.4 mm is usual",
+        mass: "mass_g = 2.7",
+        body: "shape = { kind = \"sphere\", radius_mm = 20, wall_mm = 0.4 }\n\
+               restitution = 0.9\nfriction = 0.5\n",
+        parts: "",
+        feature: None,
+    },
+    Preset {
+        name: "football",
+        what: "a football of size 5; origin in the middle",
+        source: "International Football Association Board, Laws of the Game, 2: 68 to 70 cm around, 410 to 450 g; a wall of 4 mm",
+        mass: "mass_g = 430",
+        body: "shape = { kind = \"sphere\", radius_mm = 110, wall_mm = 4 }\n\
+               restitution = 0.8\nfriction = 0.5\n",
+        parts: "",
+        feature: None,
+    },
+    Preset {
+        name: "basketball",
+        what: "a basketball of size 7; origin in the middle",
+        source: "International basketball rules: 75 to 78 cm around, 567 to 650 g; a wall of 5 mm",
+        mass: "mass_g = 610",
+        body: "shape = { kind = \"sphere\", radius_mm = 122, wall_mm = 5 }\n\
+               restitution = 0.76\nfriction = 0.5\n",
+        parts: "",
+        feature: None,
+    },
+    Preset {
+        name: "baseball",
+        what: "a baseball; origin in the middle",
+        source: "Major League Baseball, Official Baseball Rules, 3.01: 9 to 9¼ inches around, 5 to 5¼ ounces",
+        mass: "mass_g = 145",
+        body: "shape = { kind = \"sphere\", radius_mm = 36.9 }\n\
+               restitution = 0.5\nfriction = 0.5\n",
+        parts: "",
+        feature: None,
+    },
+    Preset {
+        name: "coin",
+        what: "a coin of one euro; origin in the middle, z out of one side",
+        source: "European Central Bank, common sides of euro coins: 23.25 × 2.33 mm, 7.5 g",
+        mass: "mass_g = 7.5",
+        body: "shape = { kind = \"cylinder\", length_mm = 2.33, radius_mm = 11.625 }\n\
+               restitution = 0.5\nfriction = 0.2\n",
+        parts: "",
+        feature: Some("rim -z"),
+    },
+    Preset {
+        name: "racket",
+        what: "a table tennis racket; origin in the middle of its blade, z out of one side, the handle towards -y",
+        source: "150 mm wide is usual, with a handle of 100 mm; 175 g on a scale",
+        mass: "mass_g = 175",
+        body: "restitution = 0.4\nfriction = 0.4\n",
+        parts: "\n[[body.part]]\nname = \"blade\"\n\
+                shape = { kind = \"cylinder\", length_mm = 10, radius_mm = 75 }\n\
+                \n[[body.part]]\nname = \"handle\"\n\
+                shape = { kind = \"cuboid\", size_mm = [28, 100, 23], position_mm = [0, -124, 0] }\n",
+        feature: Some("handle/corner +x -y +z"),
     },
     Preset {
         name: "hat",

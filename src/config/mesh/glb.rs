@@ -1,4 +1,5 @@
-//! Binary glTF: the meshes of the default scene, at their places.
+//! Binary glTF: the meshes of the default scene, at their places. glTF is y-up by its specification (3.4); a scene is
+//! z-up, and so is what comes out of here.
 
 use gltf::accessor::{DataType, Dimensions};
 use gltf::mesh::Mode;
@@ -14,6 +15,11 @@ const DEPTH: usize = 64;
 /// show one mesh.
 const MOST: usize = 10_000_000;
 
+/// From glTF's axes, y up and z ahead, to those of a scene: x, −z, y.
+const Z_UP: Matrix4<f64> = Matrix4::new(
+    1.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0,
+);
+
 pub(super) fn soup(bytes: &[u8]) -> Result<Soup, MeshError> {
     let (document, blob) = checked(bytes)?;
     let blob = blob.ok_or(MeshError::Elsewhere)?;
@@ -21,7 +27,7 @@ pub(super) fn soup(bytes: &[u8]) -> Result<Soup, MeshError> {
     let scene = document.default_scene();
     let scene = scene.or_else(|| document.scenes().next());
     for node in scene.ok_or(MeshError::Empty)?.nodes() {
-        add(&node, &Matrix4::identity(), &blob, 0, &mut soup)?;
+        add(&node, &Z_UP, &blob, 0, &mut soup)?;
     }
     Ok(soup)
 }

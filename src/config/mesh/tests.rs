@@ -80,6 +80,11 @@ fn every_format_gives_the_box() {
         (box_stl(), MeshFormat::Stl, 0.001, 6e-9, 0.0005),
         (box_glb(), MeshFormat::Glb, 1.0, 48.0, 6.0),
     ] {
+        // What is up in a file of glTF is y.
+        let upright = match format {
+            MeshFormat::Glb => [-3.0, 2.0],
+            _ => [1.0, 1.5].map(|of| of * unit_m),
+        };
         let mass = mesh(&bytes, format, unit_m, false)
             .expect("a mesh")
             .mass()
@@ -92,6 +97,10 @@ fn every_format_gives_the_box() {
             (mass.centre_m.x / x_m - 1.0).abs() < 1e-6,
             "{format:?} {mass:?}"
         );
+        let found = [mass.centre_m.y, mass.centre_m.z];
+        for (found, expected) in found.into_iter().zip(upright) {
+            assert!((found / expected - 1.0).abs() < 1e-6, "{format:?} {mass:?}");
+        }
     }
 }
 

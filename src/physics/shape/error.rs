@@ -80,6 +80,15 @@ pub enum ShapeError {
         /// All.
         edges: usize,
     },
+    /// A mesh lies inside of itself.
+    #[error(
+        "{:.0} % of the surface lie inside of other parts of it, whose volume would count twice: unite the parts (a boolean union), or take its convex hull",
+        .share * 100.0
+    )]
+    Overlapping {
+        /// Which share of the surface.
+        share: f64,
+    },
     /// A compound has no parts.
     #[error("the compound has no part with a volume, expected one at least")]
     NoPart,

@@ -7,6 +7,7 @@ use parry3d::transformation::vhacd::{VHACD, VHACDParameters};
 
 use super::error::ShapeError;
 use super::hull::{check_hull, from_parry, hull_of, to_parry};
+use super::inside;
 use super::kind::{Compound, Part, Shape};
 use super::mass::MassDistribution;
 use crate::math::Pose;
@@ -43,8 +44,8 @@ impl TriangleMesh {
     /// left out. A surface that is inside out is turned, and so are triangles that run the other way round than
     /// their neighbours: exporters do not always mind.
     ///
-    /// Fails where a corner is not finite or missing, where the surface is not closed, and where it encloses
-    /// no volume.
+    /// Fails where a corner is not finite or missing, where the surface is not closed, where it encloses
+    /// no volume, and where parts of it overlap.
     pub fn new(corners_m: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Result<Self, ShapeError> {
         check_hull(corners_m)?;
         let (lower, upper) = corners_m
@@ -89,6 +90,7 @@ impl TriangleMesh {
             mesh.orient()?;
         }
         mesh.mass()?;
+        inside::check(&mesh.faces().collect::<Vec<_>>())?;
         Ok(mesh)
     }
 

@@ -6,6 +6,7 @@
 
 mod error;
 mod hull;
+mod inside;
 mod kind;
 mod mass;
 mod mesh;
