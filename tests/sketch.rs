@@ -46,6 +46,33 @@ fn page_folder() -> TempDir {
     folder
 }
 
+/// Whatever a recording's marks are called, or are not: what is written of it is read again.
+#[test]
+fn what_is_written_of_a_recording_with_marks_without_names_is_read_again() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let recording = root.join("recordings/pencil_tip.mcap");
+    let scene = root.join("config/pencil_tip.toml");
+    let [recording, scene] = [&recording, &scene].map(|path| path.to_str().unwrap());
+    let folder = TempDir::new().unwrap();
+    for written in ["k.csv", "k.toml"] {
+        let sketch = ["sketch", recording, "--per-flight", "5", "-o", written];
+        let output = enact(folder.path(), &sketch);
+        assert!(output.status.success(), "{output:?}");
+        let text = fs::read_to_string(folder.path().join(written)).unwrap();
+        for event in ["bounce", "landing"] {
+            assert!(text.contains(event), "{text}");
+        }
+        let back = ["sketch", written, "--scene", scene, "-o", "k.mcap"];
+        let output = enact(folder.path(), &back);
+        assert!(output.status.success(), "{output:?}");
+        let again = enact(folder.path(), &["inspect", "k.mcap", "--format", "ndjson"]);
+        let line: serde_json::Value = serde_json::from_slice(&again.stdout).unwrap();
+        let marks = line["marks"].as_array().unwrap().iter();
+        let names: Vec<&str> = marks.map(|mark| mark["event"].as_str().unwrap()).collect();
+        assert_eq!(names, ["bounce", "landing"]);
+    }
+}
+
 #[test]
 fn the_pages_commands_do_what_it_says() {
     let folder = page_folder();

@@ -237,6 +237,7 @@ fn read(job: &SketchJob, output: &Path, kind: Kind, working: &Working) -> anyhow
                 motion
             } else {
                 Motion::acted(scene, &take.events)
+                    .with_context(|| job.input.display().to_string())?
             };
             (motion.rows(scene, job.density)?, notes)
         }

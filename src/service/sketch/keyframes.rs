@@ -44,8 +44,8 @@ const LIMIT: f64 = 5e5;
 
 impl Motion {
     /// What was acted, flight by flight: parted by the streams of an edited sketch, else by the
-    /// marks.
-    pub(super) fn acted(scene: &Scene, events: &[TakeEvent]) -> Self {
+    /// marks. Fails where marks without names are not as many as the events that are left for them.
+    pub(super) fn acted(scene: &Scene, events: &[TakeEvent]) -> anyhow::Result<Self> {
         let mut marks: Vec<Mark> = events
             .iter()
             .filter_map(|event| match event {
@@ -58,6 +58,7 @@ impl Motion {
         if is_edited {
             marks.clear();
         }
+        name(scene, &mut marks)?;
         let mut flights = Vec::new();
         for track in scene.tracks.keys() {
             let mount = scene.mount(track);
@@ -92,7 +93,7 @@ impl Motion {
                 }
             }
         }
-        Self { flights, marks }
+        Ok(Self { flights, marks })
     }
 
     /// The motion that is estimated from a take, and what to know of it.
@@ -204,6 +205,32 @@ impl Motion {
         rows.sort_by_key(|(key, _)| *key);
         Ok(rows.into_iter().map(|(_, row)| row).collect())
     }
+}
+
+/// Gives marks without names, in order of time, those of the events that no mark names: a written sketch names
+/// them all.
+fn name(scene: &Scene, marks: &mut [Mark]) -> anyhow::Result<()> {
+    let scene = scene.with_marks(marks.len());
+    let is_named = |name: &String| marks.iter().any(|mark| mark.event.as_ref() == Some(name));
+    let names = scene.events.iter().map(|event| &event.name);
+    let left: Vec<String> = names.filter(|name| !is_named(name)).cloned().collect();
+    let unnamed = marks.iter_mut().filter(|mark| mark.event.is_none());
+    let unnamed: Vec<&mut Mark> = unnamed.collect();
+    if unnamed.is_empty() {
+        return Ok(());
+    }
+    if unnamed.len() != left.len() {
+        bail!(
+            "{} marks without a name, expected {}: {}; `enact mark` gives them names",
+            unnamed.len(),
+            left.len(),
+            left.join(", ")
+        );
+    }
+    for (mark, name) in unnamed.into_iter().zip(left) {
+        mark.event = Some(name);
+    }
+    Ok(())
 }
 
 fn keyframe(
