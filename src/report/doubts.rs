@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::units::{self, for_people};
 use crate::motion::{About, Doubt, Place, Scene, Verdict};
 
 /// One thing that speaks against a motion, in numbers and in words.
@@ -32,7 +33,7 @@ impl DoubtLine {
             quantity: doubt.about.as_str(),
             value: doubt.value,
             bound: doubt.bound,
-            unit: doubt.about.unit(),
+            unit: unit(scene, doubt),
             at: doubt.place.name(scene).map(str::to_owned),
             time_s: doubt.place.time_s(),
             best: doubt.about.best().as_str(),
@@ -50,6 +51,14 @@ impl DoubtLine {
 pub fn gravest(scene: &Scene, doubts: &[Doubt]) -> Option<String> {
     let first = doubts.iter().max_by_key(|doubt| doubt.about.best())?;
     (first.about.best() != Verdict::Physical).then(|| sentence(scene, first))
+}
+
+/// The unit of what was measured: of a quantity at the end of its range that of the quantity.
+fn unit(scene: &Scene, doubt: &Doubt) -> &'static str {
+    match (doubt.about, &doubt.place) {
+        (About::AtBound, Place::Parameter(index)) => scene.parameters[*index].quantity.unit(),
+        _ => doubt.about.unit(),
+    }
 }
 
 fn sentence(scene: &Scene, doubt: &Doubt) -> String {
@@ -177,7 +186,13 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
              few others",
             value * 1e3
         ),
-        About::AtBound => format!("{subject} is at the end of its range, {bound:.4}"),
+        About::AtBound => {
+            let (factor, unit) = for_people(unit(scene, doubt));
+            let end = units::bound(bound * factor);
+            format!("{subject} is at the end of its range, {end} {unit}")
+                .trim_end()
+                .to_owned()
+        }
         About::Ambiguity => format!(
             "the samples are {value:.1} times the scene's weights away on the whole: beyond {bound:.0} \
              another motion may fit better"
