@@ -34,7 +34,7 @@ use crate::motion::{
     Diagnosis, End, EventKind, Mark, Observer, Phase, Scene, Stamp, TakeEvent, TrackIndex, Verdict,
 };
 use crate::segment;
-use crate::verify::verify;
+use crate::verify::verify_until;
 
 /// One take of one scene, to be estimated.
 #[derive(Clone, Debug)]
@@ -190,12 +190,15 @@ impl Pipeline {
         outcome.freed = freed;
         if outcome.estimate.verdict != Verdict::Failed {
             observer.phase(Phase::Verify);
-            outcome.verification = Some(verify(&outcome.scene, &outcome.estimate));
+            outcome.verification = verify_until(&outcome.scene, &outcome.estimate, observer);
             let doubts = doubts(&outcome);
             outcome.estimate.doubt(match led {
                 Some(led) => led.instead_of(doubts),
                 None => doubts,
             });
+            if outcome.verification.is_none() {
+                outcome.estimate.is_not_verified();
+            }
         }
         // What was led to its rest is as far from the performance as that takes.
         if !matches!(outcome.estimate.reason.end, End::Simulated(_)) {

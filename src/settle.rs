@@ -26,7 +26,7 @@ use self::joined::{Joined, Moving, Tied};
 pub use self::material::{FRICTION, FRICTION_SD, RESTITUTION, RESTITUTION_SD};
 use self::material::{made_of, standing};
 use crate::motion::{
-    Estimate, JointTree, LinkIndex, MechanismIndex, Scene, Settled, SettledLink, Surface,
+    Estimate, JointTree, LinkIndex, MechanismIndex, Observer, Scene, Settled, SettledLink, Surface,
 };
 use crate::physics::tree::{Snapshot, Tree, TreeState};
 use crate::physics::{Body, State};
@@ -67,14 +67,24 @@ const SLOW_STEPS: usize = 12;
 /// not finite. Where joined bodies gain energy, which no contact gives them, the simulation has failed:
 /// it ends before, and they are not at rest.
 pub fn settle(scene: &Scene, estimate: &Estimate, limit_s: f64) -> Option<Settled> {
-    simulated(scene, estimate, limit_s, None)
+    simulated(scene, estimate, limit_s, (None, &mut ()))
+}
+
+/// The same for as long as the observer lets it: what was not simulated is not at rest.
+pub fn settle_until(
+    scene: &Scene,
+    estimate: &Estimate,
+    limit_s: f64,
+    observer: &mut dyn Observer,
+) -> Option<Settled> {
+    simulated(scene, estimate, limit_s, (None, observer))
 }
 
 /// The same simulation, ended as soon as every link has been slow for a while, which is mostly
 /// when it is known how they will lie: for comparisons of many. What is slow may still rest on an
 /// edge, and [`Settled::at_rest`] is false.
 pub fn settle_until_slow(scene: &Scene, estimate: &Estimate, limit_s: f64) -> Option<Settled> {
-    simulated(scene, estimate, limit_s, Some(SLOW_STEPS))
+    simulated(scene, estimate, limit_s, (Some(SLOW_STEPS), &mut ()))
 }
 
 /// Until all rest, or until all have been slow for so many steps.
@@ -82,7 +92,7 @@ fn simulated(
     scene: &Scene,
     estimate: &Estimate,
     limit_s: f64,
-    slow_steps: Option<usize>,
+    (slow_steps, observer): (Option<usize>, &mut dyn Observer),
 ) -> Option<Settled> {
     let [_, from_s] = estimate.extent_s()?;
     let states = scene.links.iter();
@@ -122,6 +132,9 @@ fn simulated(
     };
     let mut slow = 0;
     for _ in 0..steps {
+        if observer.should_stop() {
+            break;
+        }
         simulation.lead(estimate, from_s);
         simulation.step();
         if simulation.has_burst() {

@@ -125,6 +125,18 @@ impl Command {
         };
         budget.deadline
     }
+
+    /// When it is to end with the best so far.
+    pub(super) fn limit(&self) -> Option<Duration> {
+        let limits = match self {
+            Self::Replay(of) => &of.limits,
+            Self::Predict(of) => &of.limits,
+            Self::Inspect(of) => &of.limits,
+            Self::Sketch(of) => &of.limits,
+            _ => return None,
+        };
+        limits.deadline
+    }
 }
 
 #[cfg(test)]

@@ -11,10 +11,10 @@ use super::exit::Exit;
 use super::output;
 use crate::service::remove_unfinished;
 
-/// After so long the process says that it is late and ends, with exit code 1, as a signal would end it.
-pub(super) fn end_after(limit: Duration) {
+/// So long after a deadline the process says that it is late and ends, with exit code 1, as a signal would end it.
+pub(super) fn end_after(limit: Duration, leeway: Duration) {
     std::thread::spawn(move || {
-        std::thread::sleep(limit);
+        std::thread::sleep(limit.saturating_add(leeway));
         remove_unfinished(|| {
             let limit = humantime::format_duration(limit);
             output::print_error(&format!(

@@ -1,6 +1,7 @@
 //! Parses the arguments, runs the command, returns the exit code.
 
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::Parser;
 use tracing_subscriber::EnvFilter;
@@ -26,7 +27,10 @@ pub fn run() -> ExitCode {
         tracing::warn!(%error, "signals cannot be caught: one may leave a temporary file");
     }
     if let Some(limit) = arguments.command.deadline() {
-        interrupt::end_after(limit);
+        interrupt::end_after(limit, Duration::ZERO);
+    }
+    if let Some(limit) = arguments.command.limit() {
+        interrupt::end_after(limit, service::leeway(limit));
     }
     let result = match arguments.command {
         #[cfg(feature = "live")]
@@ -73,5 +77,7 @@ fn log_to_stderr(verbose: u8) {
         .with_env_filter(filter)
         .with_writer(std::io::stderr)
         .with_ansi(output::colours_on_stderr())
+        // Where stderr is gone there is nowhere to say so, and no reason to panic.
+        .log_internal_errors(false)
         .init();
 }

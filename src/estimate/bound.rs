@@ -285,7 +285,9 @@ impl<'a> Tightening<'a> {
         for half in &mut gained {
             let before = self.lagrangian.merit(&self.descent.system);
             let patience = Patience { steps, gain };
-            let of_half = self.descent.go_on(guidance, &self.lagrangian, patience);
+            let of_half = self
+                .descent
+                .go_on(guidance, &self.lagrangian, patience, &mut || false);
             taken += of_half;
             *half = before - self.lagrangian.merit(&self.descent.system);
             if of_half < steps {

@@ -14,10 +14,11 @@ pub fn fill(
     estimate: &mut Estimate,
     scene: &Scene,
     context: &SolveContext,
-    (solution, errors): (&Solution, &[Residuals]),
+    (solution, found): (&Solution, Option<&[Residuals]>),
 ) {
     let at = (&solution.point, &solution.system);
-    let covariance = Covariance::new(context, at, &solution.multipliers, errors);
+    let covariance =
+        found.and_then(|errors| Covariance::new(context, at, &solution.multipliers, errors));
     let sds = |moments: &[Moment]| match &covariance {
         Some(covariance) => covariance.sds(moments),
         None => vec![None; moments.len()],

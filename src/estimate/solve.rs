@@ -43,6 +43,10 @@ impl Solved {
             self.estimate.fit = Err(FitUntold::NoMotion);
             return;
         }
+        if observer.should_stop() {
+            self.estimate.fit = Err(FitUntold::Stopped);
+            return;
+        }
         observer.phase(Phase::Adequacy);
         let mut judged = self.judged(performed, observer);
         let start = judged.as_mut().ok().and_then(|judged| judged.start.take());
@@ -110,7 +114,9 @@ impl Solved {
             errors,
         } = self;
         let context = posed.context(epochs_s, &solution.point);
-        deviation::fill(&mut estimate, scene, &context, (&solution, &errors));
+        // Without time for them nothing is told to be determined.
+        let errors = (!observer.should_stop()).then_some(errors.as_slice());
+        deviation::fill(&mut estimate, scene, &context, (&solution, errors));
         estimate
     }
 }

@@ -7,7 +7,7 @@ use super::fit::Fit;
 use super::readings::Readings;
 use super::turn::{self, OrientationReading};
 use super::{keyed, open_times, pointing, roll, swing, unseen};
-use crate::motion::{Guess, Scene, Segment, Sketch, Timing};
+use crate::motion::{Guess, Observer, Scene, Segment, Sketch, Timing};
 use crate::physics::{Dynamics, State};
 
 /// Greatest number of choices of fits.
@@ -36,9 +36,14 @@ pub struct Guessed {
 /// Fits every segment by itself and places the fits on one time line: where the tempo is unknown,
 /// time between two marks runs at the mean rate of the fits there, or of all. Segments with too few
 /// samples for a fit follow from their neighbours.
-pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
+pub fn guess(
+    scene: &Scene,
+    sketch: &Sketch,
+    segments: &[Segment],
+    observer: &mut dyn Observer,
+) -> Guessed {
     if keyed::applies(scene, sketch, segments) {
-        let mut guesses = keyed::guesses(scene, sketch, segments, GUESSES_MAX);
+        let mut guesses = keyed::guesses(scene, sketch, segments, (GUESSES_MAX, observer));
         for guess in &mut guesses {
             open_times::place(scene, sketch, segments, guess);
         }
@@ -110,7 +115,9 @@ pub fn guess(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Guessed {
             let (found, iterations) = pointing::fits(&body, axis, &shown, turn);
             fit_iterations += iterations;
             all = found;
-        } else if turn.square_rad2 > count * AMBIGUOUS_RMS_RAD * AMBIGUOUS_RMS_RAD {
+        } else if !observer.should_stop()
+            && turn.square_rad2 > count * AMBIGUOUS_RMS_RAD * AMBIGUOUS_RMS_RAD
+        {
             let (others, iterations) = turn::alternatives(&body, &turns, turn);
             fit_iterations += iterations;
             all = others;

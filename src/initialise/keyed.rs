@@ -14,7 +14,7 @@ mod turns;
 
 use self::flown::keys;
 use self::follow::{Course, Way};
-use crate::motion::{ArcGuess, Guess, Quantity, Scene, Segment, Sketch};
+use crate::motion::{ArcGuess, Guess, Observer, Quantity, Scene, Segment, Sketch};
 use crate::physics::State;
 
 /// Whether the flights of a sketch start from keyframes: few poses of every flight, of the first of
@@ -36,7 +36,7 @@ pub(super) fn guesses(
     scene: &Scene,
     sketch: &Sketch,
     segments: &[Segment],
-    most: usize,
+    (most, observer): (usize, &mut dyn Observer),
 ) -> Vec<Guess> {
     let mut of_all: Vec<(Vec<usize>, Vec<Way>)> = Vec::new();
     for mechanism in scene.mechanisms.keys() {
@@ -49,10 +49,10 @@ pub(super) fn guesses(
         let is_aimed = course.samples.len() > 1 && course.is_known();
         let mut ways = Vec::new();
         if course.samples[0].len() == 1 && is_aimed {
-            ways = shoot::ways(&course, most);
+            ways = shoot::ways(&course, most, observer);
         }
         if ways.is_empty() {
-            ways = course.ways(most);
+            ways = course.ways(most, observer);
         }
         if ways.is_empty() {
             return Vec::new();

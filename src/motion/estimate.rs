@@ -8,7 +8,7 @@ use super::fit::{Fit, FitUntold, Fits};
 use super::held::HeldEstimate;
 use super::index::{LinkIndex, MechanismIndex, TrackIndex};
 use super::joined::TreeEstimate;
-use super::reason::Reason;
+use super::reason::{End, Reason};
 use super::sample_time::SampleTime;
 use super::suspect::Suspect;
 use super::verdict::Verdict;
@@ -294,6 +294,14 @@ impl Estimate {
             }
         }
         self.contact_rivals = rivals;
+    }
+
+    /// There was no time to verify the motion: it is plausible at best.
+    pub fn is_not_verified(&mut self) {
+        self.verdict = self.verdict.max(Verdict::Plausible);
+        if let End::Converged(progress) = self.reason.end {
+            self.reason.end = End::Unverified(progress);
+        }
     }
 
     /// Adds doubts: the verdict becomes the best that all of them permit.

@@ -4,6 +4,8 @@
 //! performance (paper §5.1). Candidates are the features that the scene declares for a link; for a
 //! link without any, all features of its shape.
 
+use std::collections::BTreeSet;
+
 use super::index::LinkIndex;
 use super::scene::{Collision, Event, EventKind, Link, Partner, Scene, Touching};
 
@@ -14,10 +16,8 @@ impl Link {
     /// Features that the scene declares besides the shape's own (indices into `features`).
     pub fn declared_features(&self) -> Vec<usize> {
         let own = self.shape.features().unwrap_or_default();
-        let is_declared = |index: &usize| {
-            let feature = &self.features[*index];
-            !own.iter().any(|(name, _)| *name == feature.name)
-        };
+        let own: BTreeSet<&str> = own.iter().map(|(name, _)| name.as_str()).collect();
+        let is_declared = |index: &usize| !own.contains(self.features[*index].name.as_str());
         (0..self.features.len()).filter(is_declared).collect()
     }
 

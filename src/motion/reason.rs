@@ -22,6 +22,8 @@ pub enum End {
     Simulated(Progress),
     /// The caller ended it.
     Stopped(Progress),
+    /// The solver is within its tolerances, but the caller ended it before the motion was verified.
+    Unverified(Progress),
     /// No further step of the solver helps.
     NoProgress(Progress),
     /// The solver is within its tolerances, but velocity gaps are left, as the scene allows.
@@ -88,6 +90,7 @@ impl End {
             End::Converged(_) => "converged",
             End::Simulated(_) => "simulated",
             End::Stopped(_) => "stopped",
+            End::Unverified(_) => "unverified",
             End::NoProgress(_) => "no_progress",
             End::VelocityJumps { .. } => "velocity_jumps",
             End::NotFinite => "not_finite",
@@ -102,6 +105,7 @@ impl End {
             End::Converged(progress)
             | End::Simulated(progress)
             | End::Stopped(progress)
+            | End::Unverified(progress)
             | End::NoProgress(progress)
             | End::VelocityJumps { progress, .. } => Some(progress),
             End::NotFinite | End::EventsReversed { .. } | End::FlightReversed { .. } => None,

@@ -93,16 +93,17 @@ impl<'a, P: Program> Descent<'a, P> {
         self.work.evaluations += 1;
     }
 
-    /// Descends on the augmented Lagrangian from a `λ` clipped to [`DAMPING`]; returns the number
-    /// of steps.
+    /// Descends on the augmented Lagrangian from a `λ` clipped to [`DAMPING`], until `should_stop` returns true at
+    /// the latest; returns the number of steps.
     pub fn run(
         &mut self,
         guidance: &P::Guidance,
         lagrangian: &AugmentedLagrangian,
         patience: Patience,
+        should_stop: &mut dyn FnMut() -> bool,
     ) -> usize {
         self.damping = self.damping.clamp(DAMPING.0, DAMPING.1);
-        self.go_on(guidance, lagrangian, patience)
+        self.go_on(guidance, lagrangian, patience, should_stop)
     }
 
     /// [`Descent::run`] without clipping `λ`.
@@ -111,10 +112,14 @@ impl<'a, P: Program> Descent<'a, P> {
         guidance: &P::Guidance,
         lagrangian: &AugmentedLagrangian,
         patience: Patience,
+        should_stop: &mut dyn FnMut() -> bool,
     ) -> usize {
         let mut growth = 2.0;
         let mut idle = 0;
         for step in 1..=patience.steps {
+            if should_stop() {
+                return step - 1;
+            }
             let before = lagrangian.merit(&self.system);
             let Some(DampedStep {
                 delta,

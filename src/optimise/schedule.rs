@@ -203,7 +203,7 @@ pub fn solve<P: Program>(
             steps: schedule.sweep_steps,
             gain: schedule.gain,
         };
-        descent.run(&leading, &lagrangian, patience);
+        descent.run(&leading, &lagrangian, patience, &mut || watch.should_stop());
         if watch.should_stop() {
             break;
         }
@@ -221,7 +221,7 @@ pub fn solve<P: Program>(
     let mut solution = conclude(descent, &exact, &lagrangian, schedule, watch);
     for retry in 0..schedule.retries {
         let is_hopeless = retry > 0 && solution.gave_up();
-        if solution.finished.converged || solution.stopped || is_hopeless {
+        if solution.finished.converged || solution.stopped || is_hopeless || watch.should_stop() {
             break;
         }
         // Where full steps do not converge, damped ones without temporary terms come closer.
@@ -273,7 +273,9 @@ fn conclude<P: Program>(
     // Constraints that the greatest weight leaves violated by a whole unit contradict each other:
     // steps that satisfy their linearisation would lead far away.
     if descent.system.violation() > HOPELESS && lagrangian.weight >= schedule.weight_max() {
-        return descent.given_up(multipliers, schedule.tolerances);
+        let mut given_up = descent.given_up(multipliers, schedule.tolerances);
+        given_up.stopped = watch.should_stop();
+        return given_up;
     }
     watch.begins(Stage::Finish);
     let mut finish = Finish {
@@ -322,7 +324,7 @@ fn tighten<P: Program>(
     let mut violation = f64::INFINITY;
     let mut stalled = 0;
     for _ in 0..rounds {
-        descent.run(guidance, lagrangian, patience);
+        descent.run(guidance, lagrangian, patience, &mut || watch.should_stop());
         lagrangian.update(&descent.system);
         let now = descent.system.violation();
         let is_stalled = now > STALLED * violation && lagrangian.weight >= schedule.weight_max();

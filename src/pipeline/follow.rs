@@ -40,7 +40,10 @@ pub(super) fn follow(
     }
     let mut leaving_out = false;
     let mut rounds = 0;
-    while rounds < ROUNDS && inferred.solved.estimate.verdict != Verdict::Failed {
+    while rounds < ROUNDS
+        && inferred.solved.estimate.verdict != Verdict::Failed
+        && !observer.should_stop()
+    {
         let known = Known {
             segments: &cut.segments,
             estimate: &inferred.solved.estimate,

@@ -12,7 +12,7 @@ use crate::motion::{
     Settled, Sketch, Suspect, Verdict, Verification,
 };
 use crate::segment::SegmentError;
-use crate::settle::settle;
+use crate::settle::settle_until;
 use crate::verify::lies;
 
 /// The result of a take.
@@ -103,7 +103,7 @@ impl Outcome {
         {
             observer.phase(Phase::Settle);
             let scene = self.scene.as_estimated(&self.estimate);
-            self.settled = settle(&scene, &self.estimate, limit_s);
+            self.settled = settle_until(&scene, &self.estimate, limit_s, observer);
             if let Some(settled) = &mut self.settled {
                 settled.is_predicted = is_predicted;
             }

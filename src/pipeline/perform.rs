@@ -69,7 +69,7 @@ impl Prepared {
 
     /// Root mean square distance of the flights from their samples when each is fitted by itself,
     /// in the scene's weights; infinite where nothing can touch at a collision.
-    pub(super) fn alone(&self) -> f64 {
+    pub(super) fn alone(&self, observer: &mut dyn Observer) -> f64 {
         let segments = &self.cut.segments;
         // Without constraints it does not matter what touches.
         let mut scene = self.scene.clone();
@@ -79,7 +79,7 @@ impl Prepared {
             };
             scene.set_contacts(event, &any);
         }
-        let guessed = initialise::guess(&self.scene, &self.sketch, segments);
+        let guessed = initialise::guess(&self.scene, &self.sketch, segments, observer);
         let cost = estimate::cost(&scene, &self.sketch, segments, &guessed.guesses[0]);
         let samples: usize = segments.iter().map(Segment::sample_count).sum();
         (2.0 * cost / samples.max(1) as f64).sqrt()

@@ -14,7 +14,7 @@ use super::perform::{Performed, Prepared};
 use crate::motion::{
     Lie, Observer, Phase, Quiet, RestGoal, RestWork, Scene, Settled, TakeEvent, Verdict,
 };
-use crate::settle::settle;
+use crate::settle::settle_until;
 use crate::verify::{is_met, lies};
 
 /// What was done for the goals at rest.
@@ -46,7 +46,7 @@ pub(super) fn seek(
         },
         labels: vec![None; scene.rest_goals.len()],
     };
-    let settled = settle(&scene.as_estimated(estimate), estimate, limit_s);
+    let settled = settle_until(&scene.as_estimated(estimate), estimate, limit_s, observer);
     if settled
         .as_ref()
         .is_some_and(|settled| is_met(scene, settled))
@@ -54,6 +54,9 @@ pub(super) fn seek(
         return Some(sought);
     }
     for choice in choices(scene, settled.as_ref()?) {
+        if observer.should_stop() {
+            break;
+        }
         let again = turned(scene, &choice)
             .and_then(|scene| Prepared::new(&scene, events, &mut Quiet(observer)).ok())
             .and_then(|prepared| prepared.performed(&mut Quiet(observer)).ok());
@@ -61,7 +64,7 @@ pub(super) fn seek(
         let (scene, estimate) = (&again.inferred.scene, &again.inferred.solved.estimate);
         sought.work.motions += 1;
         sought.work.continuations += 1;
-        let settled = settle(&scene.as_estimated(estimate), estimate, limit_s);
+        let settled = settle_until(&scene.as_estimated(estimate), estimate, limit_s, observer);
         if settled
             .as_ref()
             .is_some_and(|settled| is_met(scene, settled))

@@ -60,7 +60,7 @@ pub(super) fn solve(
 ) -> Result<Inferred, PipelineError> {
     let segments = &cut.segments;
     observer.phase(Phase::ArcFits);
-    let guessed = initialise::guess(scene, sketch, segments);
+    let guessed = initialise::guess(scene, sketch, segments, observer);
     initialise::weigh(scene, sketch, segments, &guessed.guesses[0]);
     let recipe = Recipe::default();
     let mut inferred = infer(scene, sketch, segments, &guessed.guesses, &recipe, observer)

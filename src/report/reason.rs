@@ -49,6 +49,7 @@ impl TerminationLine {
             End::Converged(_)
             | End::Simulated(_)
             | End::Stopped(_)
+            | End::Unverified(_)
             | End::NoProgress(_)
             | End::NotFinite => (Vec::new(), None),
         };
@@ -100,6 +101,10 @@ pub fn reason_text(scene: &Scene, reason: &Reason) -> String {
         End::Stopped(progress) => {
             format!("stopped before it converged: {}", progress_text(progress))
         }
+        End::Unverified(progress) => format!(
+            "stopped before it was verified: {}",
+            progress_text(progress)
+        ),
         End::NoProgress(progress) => format!("no further progress: {}", progress_text(progress)),
         End::VelocityJumps { events, progress } => {
             let events: Vec<&str> = events.iter().map(event).collect();

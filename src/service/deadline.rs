@@ -1,15 +1,23 @@
 //! How long a job may take.
 
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::bail;
+
+/// How much longer a job may take that has heard of the end of its time: to write the best so far.
+pub fn leeway(limit: Duration) -> Duration {
+    Duration::from_secs(1).saturating_add(limit / 4)
+}
 
 /// The end of the time that a job was given, if it was.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Deadline {
     limit: Option<Duration>,
     begun: Instant,
+    /// Set from outside when it is over.
+    told: Option<&'static AtomicBool>,
 }
 
 impl Deadline {
@@ -18,6 +26,30 @@ impl Deadline {
         Self {
             limit,
             begun: Instant::now(),
+            told: None,
+        }
+    }
+
+    /// The same, but over once the job is told to end, too.
+    pub(super) fn or_told(self, told: &'static AtomicBool) -> Self {
+        Self {
+            told: Some(told),
+            ..self
+        }
+    }
+
+    /// Whether the job was told to end from outside.
+    pub(super) fn is_told(&self) -> bool {
+        self.told.is_some_and(|told| told.load(Ordering::Relaxed))
+    }
+
+    /// The same, but so much earlier as writing will take: about as long as reading took, and a third of all at most.
+    pub(super) fn with_time_to_write(self) -> Self {
+        let spent = self.begun.elapsed();
+        let reserved = |limit: Duration| limit.saturating_sub(spent.min(limit / 3));
+        Self {
+            limit: self.limit.map(reserved),
+            ..self
         }
     }
 
@@ -28,12 +60,15 @@ impl Deadline {
 
     /// Whether it is over.
     pub(super) fn is_over(&self) -> bool {
-        self.limit
-            .is_some_and(|limit| self.begun.elapsed() >= limit)
+        let is_late = |limit| self.begun.elapsed() >= limit;
+        self.limit.is_some_and(is_late) || self.is_told()
     }
 
     /// Fails where it is over before all of a recording was read.
     pub(super) fn check(&self, path: &Path) -> anyhow::Result<()> {
+        if self.is_told() {
+            bail!("{}: told to end before it was estimated", path.display());
+        }
         if self.is_over() {
             bail!(
                 "{}: the deadline of {} was over before all of it was read; nothing was \

@@ -153,11 +153,15 @@ pub(super) fn finished(
 ) -> anyhow::Result<(RecordingReport, Outcome)> {
     let recording = &opened.recording;
     opened.deadline.check(recording.path())?;
-    let mut stopwatch = Stopwatch::start(opened.deadline, working);
+    let deadline = opened.deadline.with_time_to_write();
+    let mut stopwatch = Stopwatch::start(deadline, working);
     let outcome = pipeline
         .finish(&mut stopwatch)
         .map_err(|error| Refusal::new(pipeline, error))
         .with_context(|| recording.path().display().to_string())?;
+    if opened.deadline.is_told() {
+        opened.deadline.check(recording.path())?;
+    }
     let ended_early = stopwatch.has_ended_it();
     let (whole_seconds, phase_seconds) = stopwatch.stop();
     let is_after = |phase: &Phase| {

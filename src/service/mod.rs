@@ -51,6 +51,7 @@ pub use calibrate::{
     CalibrateChoice, CalibrateJob, CalibrateKind, CalibrateSceneJob, Calibrated, SceneCalibrated,
     TouchingPoint, calibrate, calibrate_scene,
 };
+pub use deadline::leeway;
 #[cfg(feature = "live")]
 pub use direct::{DaemonAnswer, DirectJob, Direction, Label, direct};
 #[cfg(feature = "live")]

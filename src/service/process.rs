@@ -2,14 +2,15 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use rayon::prelude::*;
 
-use super::deadline::Deadline;
+use super::deadline::{Deadline, leeway};
 use super::finish::{finish, opened, output_path, with_recording};
 use super::guard::Inputs;
 use super::working::Working;
@@ -76,7 +77,7 @@ pub fn process(
                 .zip(&outputs)
                 .enumerate()
                 .for_each_with(sender, |sender, (index, (input, output))| {
-                    let result = one(job, input, output);
+                    let result = in_time(job, input, output);
                     working.done();
                     // A receiver that has gone away has failed and reports the reason itself.
                     let _ = sender.send((index, result));
@@ -127,9 +128,40 @@ fn outputs(job: &ProcessJob) -> anyhow::Result<Vec<PathBuf>> {
     Ok(outputs)
 }
 
-fn one(job: &ProcessJob, input: &Path, output: &Path) -> Result<Processed, Failure> {
+/// [`one`] that is waited for no longer than it may take: what does not end is told to, and left.
+fn in_time(job: &ProcessJob, input: &Path, output: &Path) -> Result<Processed, Failure> {
+    // For as long as the process: what is left may outlive everything here.
+    let told: &'static AtomicBool = Box::leak(Box::default());
+    let Some(limit) = job.deadline else {
+        return one(job, (input, output), told);
+    };
+    let (sender, done) = mpsc::channel();
+    let owned = (job.clone(), input.to_owned(), output.to_owned());
+    thread::spawn(move || {
+        let (job, input, output) = owned;
+        let _ = sender.send(one(&job, (&input, &output), told));
+    });
+    done.recv_timeout(limit.saturating_add(leeway(limit)))
+        .unwrap_or_else(|_| {
+            told.store(true, Ordering::Relaxed);
+            let (recording, limit) = (input.display(), humantime::format_duration(limit));
+            Err(Failure {
+                recording: recording.to_string(),
+                error: anyhow!(
+                    "{recording}: not done at the deadline of {limit}; nothing was written, give it more by \
+                     --deadline"
+                ),
+            })
+        })
+}
+
+fn one(
+    job: &ProcessJob,
+    (input, output): (&Path, &Path),
+    told: &'static AtomicBool,
+) -> Result<Processed, Failure> {
     let name = || input.display().to_string();
-    let deadline = Deadline::begin(job.deadline);
+    let deadline = Deadline::begin(job.deadline).or_told(told);
     let estimate = |recording: Recording| {
         if has_estimate(recording.container()) {
             return Ok(Processed::LeftAlone { recording: name() });

@@ -94,15 +94,18 @@ pub(super) fn is_on(feature: &Feature, point_m: &Vector3<f64>) -> bool {
 /// The feature to which a point of the body's surface belongs: the nearest of those that are
 /// declared or expected, else the nearest of the shape's own; an expected one where several are
 /// equally near; `None` where none is within [`NEAR`].
-pub(super) fn owner(link: &Link, expected: &[usize], point_m: &Vector3<f64>) -> Option<usize> {
+pub(super) fn owner(
+    (link, is_declared): (&Link, &[bool]),
+    expected: &[usize],
+    point_m: &Vector3<f64>,
+) -> Option<usize> {
     let near_m = NEAR * link.shape.radius_m();
-    let declared = link.declared_features();
     (0..link.features.len())
         .map(|feature| {
             let distance_m = distance_m(&link.features[feature].geometry, point_m);
             let distance_m = if distance_m < ON_M { 0.0 } else { distance_m };
             let is_expected = expected.contains(&feature);
-            let is_own = !is_expected && !declared.contains(&feature);
+            let is_own = !is_expected && !is_declared[feature];
             (is_own, distance_m, !is_expected, feature)
         })
         .filter(|(_, distance_m, _, _)| *distance_m <= near_m)

@@ -22,7 +22,9 @@ use super::credible::kinematics::{SPEED_M_S, SPIN_RAD_S};
 use super::credible::marks;
 use super::meeting::World;
 use super::{overlap, touch};
-use crate::motion::{About, Doubt, Estimate, Place, Pull, Scene, Sketch, TrackIndex, Verdict};
+use crate::motion::{
+    About, Doubt, Estimate, Observer, Place, Pull, Scene, Sketch, TrackIndex, Verdict,
+};
 use crate::physics::tree::Snapshot;
 
 /// Greatest root mean square residual of a track, in units of its weights.
@@ -38,9 +40,22 @@ const ENERGY: f64 = 1e-9;
 /// Doubts about all that moves of a scene with joined bodies, given when marks of events were made \[s, acted\].
 pub fn doubts(
     scene: &Scene,
-    (sketch, marks_made_s): (&Sketch, &[Option<f64>]),
+    performed: (&Sketch, &[Option<f64>]),
     estimate: &Estimate,
 ) -> Vec<Doubt> {
+    doubts_until(scene, performed, estimate, &mut ()).expect("nobody ends it")
+}
+
+/// The same for as long as the observer lets it; `None` where it was ended.
+pub fn doubts_until(
+    scene: &Scene,
+    (sketch, marks_made_s): (&Sketch, &[Option<f64>]),
+    estimate: &Estimate,
+    observer: &mut dyn Observer,
+) -> Option<Vec<Doubt>> {
+    if observer.should_stop() {
+        return None;
+    }
     let mut doubts = marks::doubts(scene, sketch, marks_made_s, estimate);
     for motion in &estimate.trees {
         let Some(joined) = scene.mechanisms[motion.mechanism].tree() else {
@@ -94,12 +109,15 @@ pub fn doubts(
         let world = World::new(scene, estimate);
         doubts.extend(flights::doubts(scene, &world, estimate));
         let mut touches = touch::touches(&world);
-        let deepest = overlap::deepest(&world, &mut touches);
+        let deepest = overlap::deepest(&world, &mut touches, observer);
+        if observer.should_stop() {
+            return None;
+        }
         doubts.extend(deepest.map(|deepest| deepest.doubt(scene.tolerance_m)));
         let wrong = touches.iter().filter(|touch| touch.is_wrong);
         doubts.extend(wrong.map(|touch| touch.doubt(scene.tolerance_m)));
     }
-    doubts
+    Some(doubts)
 }
 
 fn beyond((about, value, bound): (About, f64, f64)) -> Option<Doubt> {

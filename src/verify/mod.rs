@@ -27,4 +27,4 @@ mod touch;
 mod whole;
 
 pub use rest::{is_met, lies, up_name};
-pub use whole::{touches, verify};
+pub use whole::{touches, verify, verify_until};

@@ -16,6 +16,8 @@ pub(super) struct MovingLink<'a> {
     pub(super) of_scene: &'a Link,
     pub(super) solid: Solid,
     pub(super) radius_m: f64,
+    /// Which of its features the scene declares besides the shape's own: to find them all faces are computed.
+    is_declared: Vec<bool>,
     /// Of a held link, what of its motion lies between its collisions.
     pub(super) arcs: Vec<ArcEstimate>,
     /// Its motion, if it is held.
@@ -41,11 +43,23 @@ impl<'a> MovingLink<'a> {
             of_scene,
             solid: of_scene.solid(),
             radius_m: of_scene.radius_m(),
+            is_declared: {
+                let mut is_declared = vec![false; of_scene.features.len()];
+                for feature in of_scene.declared_features() {
+                    is_declared[feature] = true;
+                }
+                is_declared
+            },
             arcs,
             held,
             joined,
             gravity_m_s2: estimate.gravity_m_s2,
         }
+    }
+
+    /// The link, and which of its features its scene declares.
+    pub(super) fn with_declared(&self) -> (&Link, &[bool]) {
+        (self.of_scene, &self.is_declared)
     }
 
     /// The state on an arc.

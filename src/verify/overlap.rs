@@ -9,7 +9,7 @@
 
 use super::expected;
 use super::meeting::{Meeting, Partner, World};
-use crate::motion::{Penetration, Touch};
+use crate::motion::{Observer, Penetration, Touch};
 use crate::physics::contact::Feature;
 
 /// Way travelled between two distance queries inside an overlap \[m\].
@@ -34,10 +34,19 @@ struct Look {
 
 /// The deepest overlap that no expected contact explains, if it is above the tolerance.
 /// Records in the touches how deep the surroundings of their features go.
-pub(super) fn deepest(world: &World, touches: &mut [Touch]) -> Option<Penetration> {
+///
+/// What was found so far where the observer ends it.
+pub(super) fn deepest(
+    world: &World,
+    touches: &mut [Touch],
+    observer: &mut dyn Observer,
+) -> Option<Penetration> {
     let mut deepest: Option<Penetration> = None;
     for meeting in world.meetings() {
-        let found = OverlapScan::new(world, &meeting).run(touches);
+        if observer.should_stop() {
+            break;
+        }
+        let found = OverlapScan::new(world, &meeting).run(touches, observer);
         if found.is_some_and(|found| deepest.is_none_or(|known| found.depth_m > known.depth_m)) {
             deepest = found;
         }
@@ -76,7 +85,7 @@ impl<'w, 'm> OverlapScan<'w, 'm> {
         }
     }
 
-    fn run(&self, touches: &mut [Touch]) -> Option<Penetration> {
+    fn run(&self, touches: &mut [Touch], observer: &mut dyn Observer) -> Option<Penetration> {
         let Meeting { from_s, to_s, .. } = *self.meeting;
         let speed_m_s = self.meeting.speed_bound_m_s().max(f64::MIN_POSITIVE);
         let mut deepest: Option<Penetration> = None;
@@ -95,7 +104,7 @@ impl<'w, 'm> OverlapScan<'w, 'm> {
                 }
                 look.gap_m
             };
-            if time_s >= to_s {
+            if time_s >= to_s || observer.should_stop() {
                 break;
             }
             let way_m = (gap_m + threshold_m).max(RESOLUTION_M);
@@ -112,7 +121,8 @@ impl<'w, 'm> OverlapScan<'w, 'm> {
         let mut owner = None;
         if gap_m < 0.0 {
             let link = self.meeting.link.of_scene;
-            owner = expected::owner(link, &self.expected, &closest.point_m)
+            let declared = self.meeting.link.with_declared();
+            owner = expected::owner(declared, &self.expected, &closest.point_m)
                 .filter(|feature| self.expected.contains(feature));
             let of_link = owner
                 .filter(|&feature| matches!(link.features[feature].geometry, Feature::Point { .. }))

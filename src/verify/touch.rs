@@ -49,7 +49,7 @@ fn touch(
         .map(|&feature| meeting.feature_gap_m(time_s, feature, &closest.point_m))
         .fold(f64::INFINITY, f64::min);
     let lead_m = of_features_m - closest.gap_m;
-    let found = expected::owner(link.of_scene, &expected, &closest.point_m);
+    let found = expected::owner(link.with_declared(), &expected, &closest.point_m);
     let is_expected = found.is_some_and(|found| expected.contains(&found));
     Some(Touch {
         event,

@@ -2,24 +2,39 @@
 
 use super::meeting::World;
 use super::{balance, overlap, pull, shot, touch};
-use crate::motion::{Estimate, Scene, Touch, Verification};
+use crate::motion::{Estimate, Observer, Scene, Touch, Verification};
 
 /// Checks an estimated motion independently of its estimation.
 ///
 /// The estimate's arcs must be finite and the scene valid; a failed estimate need not be checked.
 /// Costs about as much as an estimate: some hundred distances per arc and solid.
 pub fn verify(scene: &Scene, estimate: &Estimate) -> Verification {
+    verify_until(scene, estimate, &mut ()).expect("nobody ends it")
+}
+
+/// The same for as long as the observer lets it; `None` where it was ended: then nothing is known.
+pub fn verify_until(
+    scene: &Scene,
+    estimate: &Estimate,
+    observer: &mut dyn Observer,
+) -> Option<Verification> {
+    if observer.should_stop() {
+        return None;
+    }
     let world = World::new(scene, estimate);
     let mut touches = touch::touches(&world);
-    let deepest = overlap::deepest(&world, &mut touches);
-    Verification {
+    let deepest = overlap::deepest(&world, &mut touches, observer);
+    if observer.should_stop() {
+        return None;
+    }
+    Some(Verification {
         tolerance_m: scene.tolerance_m,
         deepest,
         touches,
         pulls: pull::pulls(&world),
         single_shot: shot::shoot(&world),
         balance: balance::balance(&world),
-    }
+    })
 }
 
 /// The features that touch first at every collision, as in [`verify`](verify()), without the other

@@ -217,7 +217,9 @@ mod initialise {
 
     fn run(bencher: divan::Bencher, case: &Case) {
         let (sketch, posed) = posed(case);
-        bencher.bench_local(|| enact::initialise::guess(case.scene(), &sketch, &posed.segments));
+        bencher.bench_local(|| {
+            enact::initialise::guess(case.scene(), &sketch, &posed.segments, &mut ())
+        });
     }
 
     #[divan::bench]

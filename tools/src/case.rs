@@ -278,7 +278,7 @@ impl Posed {
     /// From an outcome's sketch, whose marks are refined already.
     pub fn new(scene: &Scene, sketch: &Sketch) -> Self {
         let segments = segment::cut(scene, sketch).expect("it was cut before");
-        let guesses = initialise::guess(scene, sketch, &segments).guesses;
+        let guesses = initialise::guess(scene, sketch, &segments, &mut ()).guesses;
         let problem = Problem::new(scene, sketch, &segments);
         let layout = Layout::new(&problem);
         Self {

@@ -100,13 +100,14 @@ pub(super) fn grown(
             (&mut further, fitted),
             until_s,
             (growth.kick_rad_s, &mut *random),
-            work,
+            (work, &mut *observer),
         );
         let count = problem.count_until(until_s);
         let each = cost / count as f64;
         is_lost = count >= LOST.1 && !(each <= LOST.0 * best_each.max(LOST.2));
         if is_lost {
-            if !is_followed || share <= LESS.0.powi(LESS.1 as i32) {
+            let is_least = share <= LESS.0.powi(LESS.1 as i32);
+            if !is_followed || is_least || observer.should_stop() {
                 break;
             }
             share *= LESS.0;
@@ -143,7 +144,7 @@ fn fit(
     (problem, mut point): (&mut TreeProblem, TreePoint),
     until_s: f64,
     (kick_rad_s, random): (f64, &mut Random),
-    work: &mut Work,
+    (work, observer): (&mut Work, &mut dyn Observer),
 ) -> (TreePoint, f64) {
     problem.step_s = problem.step_for(&point, until_s, ROUGHLY);
     let first = problem.events.first();
@@ -167,7 +168,7 @@ fn fit(
         gain: PATIENCE.gain * information.0,
         ..PATIENCE
     };
-    descent.run(&part, &lagrangian, patience);
+    descent.run(&part, &lagrangian, patience, &mut || observer.should_stop());
     work.add(&descent.work);
     let (point, cost) = (descent.point, descent.system.cost);
     problem.part_at(&point);

@@ -71,7 +71,10 @@ pub fn estimate(
     let is_asked =
         line.is_unknown() || !problem.events.is_empty() || !problem.parameters.is_empty();
     let is_asked = is_whole && finished.converged && is_asked;
-    let linearised = (judged.is_ok() || is_asked)
+    // Without time for it nothing is told to be determined.
+    let has_time = !observer.should_stop();
+    let judged = judged.and_then(|joined| has_time.then_some(joined).ok_or(FitUntold::Stopped));
+    let linearised = ((judged.is_ok() || is_asked) && has_time)
         .then(|| Linearised::new(problem, solution))
         .flatten();
     let judged = judged.and_then(|joined| {

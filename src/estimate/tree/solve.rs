@@ -192,7 +192,9 @@ pub(super) fn swept(
             steps: SWEEP.1,
             gain: SWEEP.2 * least,
         };
-        descent.run(&whole, &lagrangian, patience);
+        descent.run(&whole, &lagrangian, patience, &mut || {
+            observer.should_stop()
+        });
         if observer.should_stop() {
             break;
         }

@@ -9,7 +9,7 @@ use super::turns;
 use crate::initialise::ballistic::{self, Place};
 use crate::initialise::turn::OrientationReading;
 use crate::math::so3;
-use crate::motion::{MechanismIndex, Partner, Scene, Segment, Sketch, Timing};
+use crate::motion::{MechanismIndex, Observer, Partner, Scene, Segment, Sketch, Timing};
 use crate::physics::contact::Frame;
 use crate::physics::impact::{ContactSet, Law, Side};
 use crate::physics::state::DIMENSION;
@@ -129,7 +129,7 @@ impl<'a> Course<'a> {
 
     /// The best motions through all flights; none where a flight's keyframes and its neighbours
     /// lead to none.
-    pub(super) fn ways(&self, most: usize) -> Vec<Way> {
+    pub(super) fn ways(&self, most: usize, observer: &mut dyn Observer) -> Vec<Way> {
         let begins = |flown: Flown| Way {
             flights: vec![flown],
             offsets_s: vec![0.0],
@@ -148,7 +148,8 @@ impl<'a> Course<'a> {
                 .flat_map(|way| self.continued(way, &alone))
                 .collect();
             ways.sort_by(Way::order);
-            ways.truncate(WAYS);
+            // Without time for more the best one alone goes on.
+            ways.truncate(if observer.should_stop() { 1 } else { WAYS });
         }
         ways.truncate(most);
         ways

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 
 use super::flown::Key;
 use super::follow::{Course, Way, up};
+use crate::motion::Observer;
 
 /// Angular speeds of the starts [rad/s], about the axes and diagonals of the body.
 const SPEEDS_RAD_S: [f64; 3] = [4.0, 9.0, 16.0];
@@ -20,6 +21,9 @@ const REFINED: usize = 30;
 const NUDGES: [f64; 2] = [1e-6, 1e-5];
 /// Motions whose velocities differ by less are the same [m/s and rad/s].
 const SAME: f64 = 1e-2;
+/// Flights that are simulated: after so many the best shot alone is led on, and after so many more it is not
+/// refined. Motions of ten flights need half of the first.
+const SIMULATED: [usize; 2] = [400_000, 800_000];
 /// Sum of squares, in tolerances, below which no step is needed.
 const EXACT: f64 = 1e-14;
 
@@ -34,8 +38,31 @@ struct Shot {
     damping: f64,
 }
 
+/// What was done so far, and who may end it.
+struct ShotWork<'a> {
+    /// Flights that were simulated.
+    flights: usize,
+    observer: &'a mut dyn Observer,
+}
+
+impl ShotWork<'_> {
+    /// Whether the best shot alone is led on.
+    fn is_long(&mut self) -> bool {
+        self.flights > SIMULATED[0] || self.observer.should_stop()
+    }
+
+    /// Whether no shot is refined any more.
+    fn is_over(&mut self) -> bool {
+        self.flights > SIMULATED[1] || self.observer.should_stop()
+    }
+}
+
 /// The motions that come nearest to the keyframes, where all impacts are known.
-pub(super) fn ways(course: &Course, most: usize) -> Vec<Way> {
+pub(super) fn ways(course: &Course, most: usize, observer: &mut dyn Observer) -> Vec<Way> {
+    let mut work = ShotWork {
+        flights: 0,
+        observer,
+    };
     let mut starts = starts(course);
     // Of motions that are not determined one is as good as another.
     if course.numbers() < course.unknowns() {
@@ -43,10 +70,10 @@ pub(super) fn ways(course: &Course, most: usize) -> Vec<Way> {
     }
     let mut shots: Vec<Shot> = starts
         .into_iter()
-        .filter_map(|velocities| shot(course, velocities, FLIGHTS))
+        .filter_map(|velocities| shot(course, velocities, FLIGHTS, &mut work))
         .collect();
     for shot in &mut shots {
-        descend(course, shot, SCOUTED);
+        descend(course, shot, SCOUTED, &mut work);
     }
     let order = |a: &Shot, b: &Shot| a.way.order(&b.way);
     shots.sort_by(order);
@@ -56,7 +83,7 @@ pub(super) fn ways(course: &Course, most: usize) -> Vec<Way> {
             break;
         }
         if is_new(&kept, &shot) {
-            descend(course, &mut shot, REFINED);
+            descend(course, &mut shot, REFINED, &mut work);
             if is_new(&kept, &shot) {
                 kept.push(shot);
             }
@@ -64,9 +91,12 @@ pub(super) fn ways(course: &Course, most: usize) -> Vec<Way> {
     }
     // The impacts of many flights amplify errors: the next one is met from where those before are.
     for flights in FLIGHTS + 1..=course.samples.len() {
+        if work.is_long() {
+            kept.truncate(1);
+        }
         let longer = |old: Shot| {
-            let mut longer = shot(course, old.velocities, flights)?;
-            descend(course, &mut longer, REFINED);
+            let mut longer = shot(course, old.velocities, flights, &mut work)?;
+            descend(course, &mut longer, REFINED, &mut work);
             Some(longer)
         };
         kept = kept.into_iter().filter_map(longer).collect();
@@ -133,8 +163,8 @@ fn starts(course: &Course) -> Vec<Six> {
     starts
 }
 
-fn shot(course: &Course, velocities: Six, flights: usize) -> Option<Shot> {
-    let (way, off) = simulated(course, &velocities, flights)?;
+fn shot(course: &Course, velocities: Six, flights: usize, work: &mut ShotWork) -> Option<Shot> {
+    let (way, off) = simulated(course, &velocities, flights, work)?;
     Some(Shot {
         velocities,
         flights,
@@ -146,7 +176,13 @@ fn shot(course: &Course, velocities: Six, flights: usize) -> Option<Shot> {
 
 /// The motion from some velocities over so many flights, and its differences from all keyframes but
 /// the first.
-fn simulated(course: &Course, velocities: &Six, flights: usize) -> Option<(Way, DVector<f64>)> {
+fn simulated(
+    course: &Course,
+    velocities: &Six,
+    flights: usize,
+    work: &mut ShotWork,
+) -> Option<(Way, DVector<f64>)> {
+    work.flights += flights;
     let mut way = Way {
         flights: vec![course.begun(velocities)],
         offsets_s: vec![0.0],
@@ -171,9 +207,9 @@ fn simulated(course: &Course, velocities: &Six, flights: usize) -> Option<(Way, 
 }
 
 /// Levenberg and Marquardt's steps, with derivatives by differences.
-fn descend(course: &Course, shot: &mut Shot, steps: usize) {
+fn descend(course: &Course, shot: &mut Shot, steps: usize, work: &mut ShotWork) {
     for _ in 0..steps {
-        if shot.way.cost < EXACT {
+        if shot.way.cost < EXACT || work.is_over() {
             return;
         }
         let mut columns = DMatrix::zeros(shot.off.len(), 6);
@@ -181,7 +217,7 @@ fn descend(course: &Course, shot: &mut Shot, steps: usize) {
             let step = NUDGES[column / 3];
             let mut nudged = shot.velocities;
             nudged[column] += step;
-            let Some((_, off)) = simulated(course, &nudged, shot.flights) else {
+            let Some((_, off)) = simulated(course, &nudged, shot.flights, work) else {
                 return;
             };
             columns.set_column(column, &((off - &shot.off) / step));
@@ -199,7 +235,7 @@ fn descend(course: &Course, shot: &mut Shot, steps: usize) {
                 continue;
             };
             let trial = shot.velocities - factor.solve(&slope);
-            match simulated(course, &trial, shot.flights) {
+            match simulated(course, &trial, shot.flights, work) {
                 Some((way, off)) if way.cost < shot.way.cost => {
                     (shot.velocities, shot.way, shot.off) = (trial, way, off);
                     shot.damping *= 0.2;

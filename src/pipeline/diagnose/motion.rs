@@ -89,7 +89,7 @@ impl Motion {
             Timing::Unknown { .. } => UNTIMED,
             Timing::Known | Timing::Edited => TIMED,
         };
-        let alone = prepared.alone() / slack;
+        let alone = prepared.alone(observer) / slack;
         if !(alone <= farthest) {
             return None;
         }

@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 
 use crate::estimate::tree::{self, Led, Solved, Told, TreeProblem};
 use crate::initialise;
-use crate::motion::{About, Estimate, Observer, Scene, Sketch, Verdict};
+use crate::motion::{About, End, Estimate, Observer, Scene, Sketch, Verdict};
 use crate::physics::tree::TreeState;
 use crate::verify;
 
@@ -84,6 +84,9 @@ impl Field<'_> {
         let performed = (&tried.scene, self.sketch);
         let mut estimate = tree::estimate(performed, (&tried.solved, Told::Whole), observer);
         estimate.doubt(tried.estimate.doubts);
+        if matches!(tried.estimate.reason.end, End::Unverified(_)) {
+            estimate.is_not_verified();
+        }
         Tried { estimate, ..tried }
     }
 
@@ -101,8 +104,10 @@ impl Field<'_> {
     ) -> Tried {
         let mut estimate = tree::estimate((&scene, self.sketch), (&solved, told), observer);
         let performed = (self.sketch, self.marks_made_s);
-        let doubts = verify::joined::doubts(&scene, performed, &estimate);
-        estimate.doubt(doubts);
+        match verify::joined::doubts_until(&scene, performed, &estimate, observer) {
+            Some(doubts) => estimate.doubt(doubts),
+            None => estimate.is_not_verified(),
+        }
         Tried {
             scene,
             estimate,
