@@ -73,11 +73,11 @@
 //! origins = ["https://viewer.example"]   # further pages that may watch; "*": all
 //! ```
 //!
-//! There is neither encryption nor a password. Off loopback, everybody who reaches the ports sees
-//! the performance and may direct takes. Pages in browsers say where they are from: those of this
-//! machine and of known viewers may watch, and others that are listed in `origins`; only the daemon's
-//! own page, opened by an address in numbers or as `localhost`, may direct. A port that is in use is an
-//! error at the start. Lichtblick supports `foxglove.sdk.v1` since the end of 2025 (its pull request
+//! There is no encryption. Off loopback, everybody who reaches the ports sees the performance. Pages in browsers
+//! say where they are from: those of this machine and of known viewers may watch, and others that are listed in
+//! `origins`. Who directs takes must know the token that the daemon makes at its start: it is in the link to the
+//! operator's page, and in a file that only the user can read. Who asks must ask for `localhost`, an address in
+//! numbers, or one of `hosts`. A port that is in use is an error at the start. Lichtblick supports `foxglove.sdk.v1` since the end of 2025 (its pull request
 //! 819); earlier versions are refused.
 //!
 //! Nothing that happens at the ports reaches recording. There may be 128 connections at each port that have
