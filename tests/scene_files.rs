@@ -217,7 +217,7 @@ fn every_object_becomes_a_scene_that_is_checked() {
             assert_eq!(scene.rest_goals.len(), usize::from(lands.is_some()));
             let link = &scene.links[LinkIndex(0)];
             assert!(
-                (4e-3..0.6).contains(&link.body.mass_kg()),
+                (2e-3..0.7).contains(&link.body.mass_kg()),
                 "{}",
                 link.body.mass_kg()
             );

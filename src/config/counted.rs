@@ -166,8 +166,8 @@ mod tests {
     #[derive(Debug, serde::Deserialize, JsonSchema)]
     #[serde(untagged)]
     enum Either {
-        _One(f64),
-        _Two([f64; 2]),
+        _One(#[expect(dead_code, reason = "it is read and not looked at")] f64),
+        _Two(#[expect(dead_code, reason = "it is read and not looked at")] [f64; 2]),
     }
 
     #[test]
