@@ -118,7 +118,7 @@ pub fn guess(
         } else if !observer.should_stop()
             && turn.square_rad2 > count * AMBIGUOUS_RMS_RAD * AMBIGUOUS_RMS_RAD
         {
-            let (others, iterations) = turn::alternatives(&body, &turns, turn);
+            let (others, iterations) = turn::alternatives(&body, &turns, turn, observer);
             fit_iterations += iterations;
             all = others;
         }

@@ -9,6 +9,7 @@
 use nalgebra::{Matrix6, UnitQuaternion, Vector3, Vector6};
 
 use crate::math::so3;
+use crate::motion::Observer;
 use crate::physics::Body;
 use crate::physics::body::Symmetry;
 use crate::physics::flow;
@@ -155,6 +156,7 @@ pub fn alternatives(
     body: &Body,
     readings: &[OrientationReading],
     best: TurnFit,
+    observer: &mut dyn Observer,
 ) -> (Vec<TurnFit>, usize) {
     let stride = readings.len().div_ceil(SCOUTS).max(1);
     let scouts: Vec<OrientationReading> = readings.iter().copied().step_by(stride).collect();
@@ -173,6 +175,9 @@ pub fn alternatives(
     let mut found = vec![best];
     let mut iterations = 0;
     for from in starts {
+        if observer.should_stop() {
+            break;
+        }
         let scouted = descend(body, &scouts, from);
         let end = descend(body, readings, scouted);
         iterations += scouted.iterations + end.iterations;

@@ -95,6 +95,9 @@ pub(super) fn ways(course: &Course, most: usize, observer: &mut dyn Observer) ->
             kept.truncate(1);
         }
         let longer = |old: Shot| {
+            if work.is_over() {
+                return led_on(course, old);
+            }
             let mut longer = shot(course, old.velocities, flights, &mut work)?;
             descend(course, &mut longer, REFINED, &mut work);
             Some(longer)
@@ -106,6 +109,12 @@ pub(super) fn ways(course: &Course, most: usize, observer: &mut dyn Observer) ->
     kept.sort_by(order);
     kept.truncate(most);
     kept.into_iter().map(|shot| shot.way).collect()
+}
+
+/// A shot that goes on into the next flight as it is; none where that is not finite.
+fn led_on(course: &Course, shot: Shot) -> Option<Shot> {
+    let way = course.handed_on(&shot.way);
+    way.cost.is_finite().then_some(Shot { way, ..shot })
 }
 
 fn is_new(known: &[Shot], shot: &Shot) -> bool {

@@ -17,8 +17,8 @@ use anyhow::{Context, Result, ensure};
 use enact::config::scene_from_toml;
 use enact::ingest::Recording;
 use enact::motion::{
-    ArcEstimate, Counters, DurationEstimate, End, Estimate, Mark, MechanismIndex, PoseSample,
-    Progress, SampleCounts, Sketch, Stamp, Verdict,
+    ArcEstimate, Counters, DurationEstimate, End, Estimate, FitUntold, Mark, MechanismIndex,
+    PoseSample, Progress, SampleCounts, Sketch, Stamp, Verdict,
 };
 use enact::physics::State;
 use enact::report::Reported;
