@@ -130,11 +130,12 @@ impl Pipeline {
         });
         let scene = &self.scene.with_marks(marks);
         let sketch = segment::clean::unmarked(scene, &self.events)?;
+        let name = |event: usize| scene.events[event].name.clone();
         let collisions = segment::propose(scene, &sketch, count).into_iter();
         let mut marks: Vec<MarkProposal> = collisions
             .map(|proposal| MarkProposal {
                 track: Some(proposal.track),
-                event: proposal.event,
+                event: proposal.event.map(name),
                 stamp: proposal.stamp(&sketch),
                 time_s: proposal.acted_s,
                 score: Some(proposal.score),
@@ -152,7 +153,7 @@ impl Pipeline {
             };
             marks.extend(stamp.map(|stamp| MarkProposal {
                 track: None,
-                event: Some(index),
+                event: Some(name(index)),
                 stamp,
                 time_s: stamp.seconds_since(sketch.origin),
                 score: None,
@@ -234,8 +235,9 @@ impl Pipeline {
 pub struct MarkProposal {
     /// The track whose motion has the kink (index into `Scene::tracks`); `None` for start and end.
     pub track: Option<TrackIndex>,
-    /// Its event (index into `Scene::events`), if as many were searched for as the scene has.
-    pub event: Option<usize>,
+    /// Name of its event, if as many were searched for as the scene has: `bounce 2` of a collision `bounce` that
+    /// the scene repeats.
+    pub event: Option<String>,
     /// Its time on the clock of the samples.
     pub stamp: Stamp,
     /// Its time [s since the first sample].

@@ -72,7 +72,9 @@ pub use sketch::{
 pub use snap::SnapError;
 pub use spread::{LinkSpread, Spread};
 pub use suspect::Suspect;
-pub use take::{Covariance, Holds, Mark, OpenTime, PoseSample, Stamp, StampSource, TakeEvent};
+pub use take::{
+    Covariance, Holds, Mark, OpenTime, PoseSample, SampleSource, Stamp, StampSource, TakeEvent,
+};
 pub use time_map::TimeMap;
 pub use verdict::Verdict;
 pub use verification::{Balance, Deviation, Penetration, Pull, SingleShot, Touch, Verification};

@@ -14,6 +14,7 @@ mod mount;
 mod quaternions;
 mod remedied;
 mod times;
+mod turned;
 mod units;
 mod world;
 
@@ -44,6 +45,8 @@ const ALL: f64 = 1.3;
 /// Least and greatest step of a remedy's value \[m\].
 const LEAST_STEP_M: f64 = 1e-3;
 const FARTHEST_M: f64 = 0.3;
+/// How much farther from its samples a motion may be with a mount that is known roughly.
+const ABOUT: f64 = 3.0;
 /// Rounds in which a mount is fitted again.
 const ROUNDS: usize = 3;
 
@@ -69,8 +72,9 @@ pub(super) fn diagnose(
             is_credible: false,
             alone: 0.0,
         });
+    let seen = flights_by_stamps(scene, events, &mut observer);
     let flights = match (&motion, scene.timing) {
-        (_, Timing::Known | Timing::Edited) => flights_by_stamps(scene, events, &mut observer),
+        (_, Timing::Known | Timing::Edited) => seen.clone(),
         (Some(motion), Timing::Unknown { .. }) => motion.flights(),
         (None, Timing::Unknown { .. }) => Vec::new(),
     };
@@ -79,12 +83,14 @@ pub(super) fn diagnose(
         events,
         falls: falls(scene, events),
         flights,
+        seen,
     };
     let without = motion.as_ref().map(Motion::distance);
     let most = without.map_or(f64::INFINITY, |without| misfit(scene, &without) / GAIN);
     let mut found: Vec<(f64, Diagnosis)> = Vec::new();
     let remedies = if outcome.is_some_and(|outcome| is_well(outcome, FAR)) {
-        mount::remedies(&facts)
+        let turned = mount::turned(&facts);
+        mount::remedies(&facts).into_iter().chain(turned).collect()
     } else {
         remedies(&facts)
     };
@@ -105,6 +111,7 @@ pub(super) fn diagnose(
             left,
             Diagnosis {
                 remedy,
+                source: facts.source(),
                 without,
                 with: distance,
             },
@@ -153,6 +160,7 @@ fn remedies(facts: &Facts) -> Vec<Remedy> {
     remedies.extend(world::remedies(facts));
     remedies.extend(quaternions::remedies(facts));
     remedies.extend(mount::remedies(facts));
+    remedies.extend(mount::turned(facts));
     let all = remedies.iter().enumerate();
     let first = all.filter(|(index, remedy)| !remedies[..*index].contains(remedy));
     first.map(|(_, remedy)| remedy.clone()).collect()
@@ -169,6 +177,20 @@ fn best(
     let farthest = match remedy {
         Remedy::PositionUnit(_) => EXPLAINED,
         _ => most.min(EXPLAINED),
+    };
+    let remedy = match remedy {
+        Remedy::Mount { track, slip, .. } if slip.is_turned() => {
+            // From about there on, all that the motion shows of the mount counts.
+            let (scene, events) = remedied(&remedy, facts.scene, facts.events)?;
+            let open = mount::open(&scene, track, slip);
+            let motion = Motion::of(&open, &events, ABOUT * farthest, observer)?;
+            Remedy::Mount {
+                track,
+                link_from_tracker: motion.scene.tracks[track].link_from_tracker,
+                slip,
+            }
+        }
+        remedy => remedy,
     };
     let mut tried = |remedy: Remedy| {
         let (scene, events) = remedied(&remedy, facts.scene, facts.events)?;
@@ -217,11 +239,13 @@ fn best(
 /// A mount fitted again, at the times of the last motion.
 fn fitted((remedy, motion): &(Remedy, Motion)) -> Option<Remedy> {
     match remedy {
-        Remedy::Mount { track, slip, .. } if slip.is_fitted() => Some(Remedy::Mount {
-            track: *track,
-            link_from_tracker: mount::fitted(&motion.scene, &motion.flights(), *track)?,
-            slip: *slip,
-        }),
+        Remedy::Mount { track, slip, .. } if slip.is_fitted() && !slip.is_turned() => {
+            Some(Remedy::Mount {
+                track: *track,
+                link_from_tracker: mount::fitted(&motion.scene, &motion.flights(), *track)?,
+                slip: *slip,
+            })
+        }
         _ => None,
     }
 }
@@ -234,7 +258,7 @@ fn directions((remedy, motion): &(Remedy, Motion)) -> Vec<Vector3<f64>> {
             _ => Vec::new(),
         },
         Remedy::Origin { higher_m } => higher_m.try_normalize(0.0).into_iter().collect(),
-        Remedy::Mount { track, slip, .. } if slip.is_fitted() => {
+        Remedy::Mount { track, slip, .. } if slip.is_fitted() && !slip.is_turned() => {
             mount::unseen(&motion.scene, &motion.flights(), *track)
         }
         _ => Vec::new(),

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
+use super::as_read::AsRead;
 use super::deadline::Deadline;
 use super::provenance::provenance;
 use super::refusal::Refusal;
@@ -20,7 +21,7 @@ use crate::write::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, wri
 /// A recording and the scene with which it is read.
 pub(super) struct Opened {
     pub(super) recording: Recording,
-    pub(super) scene: Scene,
+    pub(super) scene: AsRead,
     /// The text of the scene, unchanged.
     pub(super) scene_toml: Vec<u8>,
     /// The file of the scene; none: it is attached to the recording.
@@ -84,7 +85,7 @@ pub(super) fn opened(
     };
     Ok(Opened {
         recording,
-        scene,
+        scene: AsRead::of(scene),
         scene_toml,
         scene_file: scene_file.map(Path::to_owned),
         deadline,
@@ -214,7 +215,7 @@ pub(super) fn finished(
         phase_seconds,
         ended_early,
         lost,
-        warnings: [warnings(take), mark_notes(&opened.scene, &outcome)].concat(),
+        warnings: [warnings(take), mark_notes(&outcome)].concat(),
     };
     let report = RecordingReport::new(&reported(&outcome), circumstances);
     Ok((report, outcome))
@@ -290,13 +291,13 @@ pub(super) fn warnings(take: &TakeReport) -> Vec<String> {
     warnings
 }
 
-/// Notes on marks that are not the performer's.
-fn mark_notes(scene: &Scene, outcome: &Outcome) -> Vec<String> {
+/// Notes on marks that are not the performer's; their events are those of the scene that was estimated.
+fn mark_notes(outcome: &Outcome) -> Vec<String> {
     let changes = &outcome.counts.marks;
     let placed = |events: &[usize]| {
         let placed = events.iter().map(|event| {
             let acted_s = outcome.sketch.marks_s[*event];
-            format!("{:?} at {acted_s:.3} s", scene.events[*event].name)
+            format!("{:?} at {acted_s:.3} s", outcome.scene.events[*event].name)
         });
         placed.collect::<Vec<_>>().join(", ")
     };

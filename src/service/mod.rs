@@ -7,6 +7,7 @@
 //! This room has the clock, the files and the threads. Results come back as a
 //! [`RecordingReport`](crate::report::RecordingReport), to be printed by the caller.
 
+mod as_read;
 mod calibrate;
 #[cfg(feature = "live")]
 pub mod capture;
@@ -18,6 +19,7 @@ mod doctor;
 mod export;
 mod finish;
 mod from_urdf;
+mod guard;
 mod import;
 mod inspect;
 mod mark;

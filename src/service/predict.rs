@@ -9,7 +9,6 @@ use super::deadline::Deadline;
 use super::finish::{beside, check_distinct, finish, open};
 use super::working::Working;
 use crate::motion::{EventKind, Scene};
-use crate::pipeline::Pipeline;
 use crate::report::RecordingReport;
 
 /// How long is simulated at most, where nobody says otherwise \[s\].
@@ -42,15 +41,15 @@ pub fn predict(job: &PredictJob) -> anyhow::Result<RecordingReport> {
     };
     check_distinct(&job.input, &output)?;
     let working = Working::begin("reading");
-    let mut opened = open(
+    let opened = open(
         &job.input,
         job.scene.as_deref(),
         Deadline::begin(job.deadline),
     )?;
     let path = job.input.display();
-    let take = opened.recording.take(&opened.scene)?;
-    let pipeline = Pipeline::of(opened.scene.clone(), take.events);
-    let scene = opened.scene.with_marks(pipeline.marks());
+    let take = opened.recording.take(opened.scene.for_reading())?;
+    let pipeline = opened.scene.pipeline(take.events);
+    let scene = pipeline.scene().with_marks(pipeline.marks());
     let event =
         last(&scene, job.until.as_deref()).map_err(|error| error.context(path.to_string()))?;
     let name = scene.events[event].name.clone();
@@ -60,7 +59,6 @@ pub fn predict(job: &PredictJob) -> anyhow::Result<RecordingReport> {
             "{path}: no mark of {name:?}, expected one: the motion is predicted from there; `enact mark` proposes marks"
         );
     };
-    opened.scene = pipeline.scene().clone();
     finish(&opened, &pipeline, &take.report, &output, &working)
 }
 

@@ -11,9 +11,9 @@ use rayon::prelude::*;
 
 use super::deadline::Deadline;
 use super::finish::{check_distinct, finish, opened, output_path, with_recording};
+use super::guard::guarded;
 use super::working::Working;
 use crate::ingest::Recording;
-use crate::pipeline::Pipeline;
 use crate::report::RecordingReport;
 use crate::write::has_estimate;
 
@@ -26,7 +26,7 @@ pub struct ProcessJob {
     pub output: PathBuf,
     /// Scene file for all; each recording's own scene by default.
     pub scene: Option<PathBuf>,
-    /// Whether what explains a misfit is set free ([`Pipeline::with_free_auto`]).
+    /// Whether what explains a misfit is set free ([`Pipeline::with_free_auto`](crate::pipeline::Pipeline::with_free_auto)).
     pub is_free_auto: bool,
     /// How long reading and estimating each may take; no limit by default.
     pub deadline: Option<Duration>,
@@ -134,13 +134,14 @@ fn one(job: &ProcessJob, input: &Path, output: &Path) -> Result<Processed, Failu
             return Ok(Processed::LeftAlone { recording: name() });
         }
         let opened = opened(recording, job.scene.as_deref(), deadline)?;
-        let take = opened.recording.take(&opened.scene)?;
-        let pipeline = Pipeline::of(opened.scene.clone(), take.events);
+        let take = opened.recording.take(opened.scene.for_reading())?;
+        let pipeline = opened.scene.pipeline(take.events);
         let pipeline = pipeline.with_free_auto(job.is_free_auto);
         let report = finish(&opened, &pipeline, &take.report, output, &Working::hidden())?;
         Ok(Processed::Estimated(Box::new(report)))
     };
-    with_recording(input, deadline, estimate).map_err(|error| Failure {
+    // A bug that one recording meets is an error of that recording.
+    guarded(|| with_recording(input, deadline, estimate)).map_err(|error| Failure {
         recording: name(),
         error,
     })

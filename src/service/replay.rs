@@ -10,7 +10,6 @@ use super::publish::Publication;
 use super::working::Working;
 use crate::ingest::Source;
 use crate::motion::Stamp;
-use crate::pipeline::Pipeline;
 use crate::report::RecordingReport;
 
 /// The input of [`replay`].
@@ -22,7 +21,7 @@ pub struct ReplayJob {
     pub output: Option<PathBuf>,
     /// Scene file; the recording's own scene by default.
     pub scene: Option<PathBuf>,
-    /// Whether what explains a misfit is set free ([`Pipeline::with_free_auto`]).
+    /// Whether what explains a misfit is set free ([`Pipeline::with_free_auto`](crate::pipeline::Pipeline::with_free_auto)).
     pub is_free_auto: bool,
     /// Pace relative to that of the performance; as fast as possible by default.
     pub rate: Option<f64>,
@@ -65,11 +64,11 @@ fn replayed(
     output: &Path,
     working: &Working,
 ) -> anyhow::Result<RecordingReport> {
-    let mut source = opened.recording.source(&opened.scene)?;
-    let mut pipeline = Pipeline::new(opened.scene.clone());
+    let mut source = opened.recording.source(opened.scene.for_reading())?;
+    let mut pipeline = opened.scene.pipeline([]);
     let publish = job.publish.as_ref();
     let mut publication = publish
-        .map(|publish| Publication::begin(&opened.scene, publish.iceoryx2.as_deref()))
+        .map(|publish| Publication::begin(opened.scene.for_reading(), publish.iceoryx2.as_deref()))
         .transpose()?;
     let mut pace = job.rate.or(publish.map(|_| 1.0)).map(Pace::new);
     while let Some((log_time, event)) = source.next()? {

@@ -1,6 +1,8 @@
 //! A take estimated for a diagnosis: how far its motion is from the samples, and whether that can be
 //! what was acted.
 
+use nalgebra::UnitQuaternion;
+
 use crate::motion::{
     Distance, Estimate, Observer, Remedy, Sample, Scene, Sketch, TakeEvent, Timing, TrackIndex,
     VelocityGaps, Verdict,
@@ -28,9 +30,12 @@ pub(super) struct Motion {
 }
 
 /// Samples of a flight with their physical times \[s\].
+#[derive(Clone)]
 pub(super) struct Flight {
     pub(super) track: TrackIndex,
     pub(super) readings: Vec<(f64, Sample)>,
+    /// The orientation that the scene asks where it ends.
+    pub(super) goal: Option<UnitQuaternion<f64>>,
 }
 
 /// The flights of a take by its stamps; none where it cannot be cut.
@@ -40,10 +45,13 @@ pub(super) fn flights_by_stamps(
     observer: &mut dyn Observer,
 ) -> Vec<Flight> {
     let prepared = Prepared::new(scene, events, observer);
-    let flights = prepared.iter().flat_map(|prepared| prepared.flights());
-    let flights = flights.map(|(track, samples)| Flight {
+    let Ok(prepared) = prepared else {
+        return Vec::new();
+    };
+    let flights = prepared.flights().map(|(track, samples, end)| Flight {
         track,
         readings: samples.iter().map(|s| (s.acted_s, *s)).collect(),
+        goal: end.and_then(|event| prepared.asked(track, event)),
     });
     flights.collect()
 }
@@ -133,6 +141,7 @@ impl Motion {
                 Flight {
                     track: residual.track,
                     readings: readings.collect(),
+                    goal: None,
                 }
             })
             .collect()

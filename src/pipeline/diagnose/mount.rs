@@ -13,8 +13,11 @@ use nalgebra::{Matrix3, SymmetricEigen, Translation3, Vector3};
 
 use super::facts::Facts;
 use super::motion::Flight;
+use super::turned::mounts;
 use crate::math::Pose;
-use crate::motion::{MountSlip, QuaternionSlip, Remedy, Scene, TrackIndex};
+use crate::motion::{
+    FreeParameter, MountSlip, Quantity, QuaternionSlip, Remedy, Scene, TrackIndex,
+};
 
 /// Least offset \[m\].
 const LEAST_M: f64 = 1e-3;
@@ -22,15 +25,22 @@ const LEAST_M: f64 = 1e-3;
 const LEAST_SHARE: f64 = 0.02;
 /// The same, below which impacts are asked too.
 const WEAK_SHARE: f64 = 0.1;
+/// How far a turn and an offset may be from what flights show, as standard deviations \[rad\], \[m\].
+const OPEN_RAD: f64 = 0.5;
+const OPEN_M: f64 = 0.05;
 
 /// Other mounts of each tracker.
 pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
     let tracks = facts.scene.tracks.iter_enumerated();
     tracks
+        .filter(|(track, _)| facts.is_tracked(*track))
         .flat_map(|(track, seen)| {
             // Slips are of what was typed: in the frame in which the scene gives the body.
-            let link_from_given = facts.scene.links[seen.link].link_from_given;
-            let given = link_from_given.inverse() * seen.link_from_tracker;
+            let link = &facts.scene.links[seen.link];
+            let (link_from_given, given) = (
+                link.link_from_given,
+                link.given_from(&seen.link_from_tracker),
+            );
             let offset_m = given.translation.vector;
             let has_offset = offset_m.norm() > LEAST_M;
             let has_turn = given.rotation.angle() > 1e-6;
@@ -69,6 +79,78 @@ pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
             })
         })
         .collect()
+}
+
+/// Mounts of each tracker that are turned otherwise, with the offset as it is said and with that which fits flights
+/// best.
+pub(super) fn turned(facts: &Facts) -> Vec<Remedy> {
+    let tracks = facts.scene.tracks.keys();
+    let tracks = tracks.filter(|track| facts.is_tracked(*track));
+    let remedies = tracks.flat_map(|track| {
+        mounts(facts, track).into_iter().flat_map(move |turned| {
+            let elsewhere = elsewhere(facts, track, &turned);
+            [
+                (MountSlip::Turned, Some(turned)),
+                (MountSlip::Elsewhere, elsewhere),
+            ]
+            .into_iter()
+            .filter_map(move |(slip, pose)| {
+                Some(Remedy::Mount {
+                    track,
+                    link_from_tracker: pose?,
+                    slip,
+                })
+            })
+        })
+    });
+    let mut remedies: Vec<Remedy> = remedies.collect();
+    // What is wrong in one thing before what is wrong in two.
+    remedies.sort_by_key(|remedy| {
+        matches!(
+            remedy,
+            Remedy::Mount {
+                slip: MountSlip::Elsewhere,
+                ..
+            }
+        )
+    });
+    remedies
+}
+
+/// A turned mount with the offset that fits flights best. Flights show where the centre of mass is in the tracker's own
+/// axes, however these are turned on the body.
+fn elsewhere(facts: &Facts, track: TrackIndex, turned: &Pose) -> Option<Pose> {
+    let given = facts.scene.tracks[track].link_from_tracker;
+    let fitted = fitted(facts.scene, &facts.flights, track)?;
+    let centre_m = given.rotation.inverse() * fitted.translation.vector;
+    let moved = Translation3::from(turned.rotation * centre_m);
+    Some(Pose::from_parts(moved, turned.rotation))
+}
+
+/// The scene with a mount that is to be found near where it is: its turn, and its offset where that is doubted too.
+pub(super) fn open(scene: &Scene, track: TrackIndex, slip: MountSlip) -> Scene {
+    let along = |of: fn(TrackIndex, usize) -> Quantity, sd: f64| {
+        let missing = (0..3).map(move |axis| of(track, axis));
+        let missing = missing.filter(|quantity| !scene.frees(*quantity));
+        missing.map(move |quantity| FreeParameter {
+            prior_sd: Some(sd),
+            ..scene.freed(quantity, 0.0)
+        })
+    };
+    let turns = along(
+        |track, axis| Quantity::TrackerOrientation { track, axis },
+        OPEN_RAD,
+    );
+    let places = along(
+        |track, axis| Quantity::TrackerPosition { track, axis },
+        OPEN_M,
+    );
+    let mut open = scene.clone();
+    open.parameters.extend(turns);
+    if slip.is_fitted() {
+        open.parameters.extend(places);
+    }
+    open
 }
 
 /// The mount with the offset that fits flights best; `None` where the body turns in none of the track, and
