@@ -29,7 +29,8 @@ pub use self::search::SearchWork;
 use self::stages::doubts;
 use crate::estimate::Solved;
 use crate::motion::{
-    Diagnosis, End, EventKind, Mark, Observer, Phase, Scene, Stamp, TakeEvent, TrackIndex, Verdict,
+    Counted, Diagnosis, End, EventKind, Mark, Observer, Phase, Scene, Stamp, TakeEvent, TrackIndex,
+    Verdict,
 };
 use crate::segment;
 use crate::verify::verify;
@@ -43,6 +44,8 @@ pub struct Pipeline {
     is_free_auto: bool,
     /// See [`Pipeline::predicting`].
     is_predicting: bool,
+    /// See [`Pipeline::with_diagnoses`].
+    is_diagnosing: bool,
 }
 
 impl Pipeline {
@@ -58,6 +61,7 @@ impl Pipeline {
             events: events.into_iter().collect(),
             is_free_auto: false,
             is_predicting: false,
+            is_diagnosing: true,
         }
     }
 
@@ -68,6 +72,19 @@ impl Pipeline {
             is_free_auto,
             ..self
         }
+    }
+
+    /// The same with or without diagnoses: tries of remedies, which take up to ten times the work of the estimation.
+    pub fn with_diagnoses(self, is_diagnosing: bool) -> Self {
+        Self {
+            is_diagnosing,
+            ..self
+        }
+    }
+
+    /// Whether likely mistakes are looked for.
+    pub fn is_diagnosing(&self) -> bool {
+        self.is_diagnosing
     }
 
     /// Whether what explains a misfit is set free.
@@ -172,7 +189,9 @@ impl Pipeline {
             observer.phase(Phase::Done);
             return Ok(outcome);
         }
-        let mut solved = self.solved(observer)?;
+        let mut counted = Counted { observer, work: 0 };
+        let mut solved = self.solved(&mut counted)?;
+        let Counted { observer, work } = counted;
         let sought = rest::seek(&mut solved, &self.events, observer);
         solved.judge(observer);
         let mut freed = Vec::new();
@@ -190,13 +209,18 @@ impl Pipeline {
             outcome.estimate.doubt(doubts);
         }
         // What was led to its rest is as far from the performance as that takes.
-        if !matches!(outcome.estimate.reason.end, End::Simulated(_)) {
-            outcome.diagnoses = diagnose(&self.scene, &self.events, Some(&outcome), observer);
+        let is_led = matches!(outcome.estimate.reason.end, End::Simulated(_));
+        if self.is_diagnosing && !is_led {
+            let solved = (Some(&outcome), work);
+            outcome.diagnoses = diagnose(&self.scene, &self.events, solved, observer);
         }
         outcome.settle(self.is_predicting, observer);
         outcome.spread(known.as_deref(), observer);
         if let Some(sought) = sought {
             outcome.lie(sought.work, sought.labels);
+            if self.is_diagnosing {
+                outcome.diagnoses.extend(sought.offered);
+            }
         }
         observer.phase(Phase::Done);
         Ok(outcome)
@@ -204,10 +228,10 @@ impl Pipeline {
 
     /// Likely mistakes in what is said of a take for which [`finish`](Self::finish) gives an error.
     pub fn diagnose(&self, observer: &mut dyn Observer) -> Vec<Diagnosis> {
-        if self.scene.joint_trees().next().is_some() {
+        if !self.is_diagnosing || self.scene.joint_trees().next().is_some() {
             return Vec::new();
         }
-        diagnose(&self.scene, &self.events, None, observer)
+        diagnose(&self.scene, &self.events, (None, 0), observer)
     }
 
     /// The estimate from all events, unchecked: its verdict is that of its gaps alone.

@@ -87,6 +87,11 @@ pub enum Remedy {
         /// The point of the plane, moved so [m, world].
         point_m: Vector3<f64>,
     },
+    /// The labels of a body's faces may be turned: then it rests as asked.
+    FreeLabels {
+        /// Index into `Scene::rest_goals`.
+        goal: usize,
+    },
     /// The streams' zero is elsewhere: surfaces, obstacles and goals are all higher.
     Origin {
         /// By how much [m, world].

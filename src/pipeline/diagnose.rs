@@ -6,6 +6,7 @@
 //! believed only if it explains: with it there is a motion against which nothing speaks, several
 //! times as near to the samples as without. Where none does, nothing is said.
 
+mod budget;
 mod facts;
 mod fall;
 mod frames;
@@ -20,14 +21,13 @@ mod world;
 
 use nalgebra::Vector3;
 
+use self::budget::Budget;
 use self::facts::Facts;
 use self::fall::falls;
 use self::motion::{Motion, as_delivered, flights_by_stamps, misfit};
 use self::remedied::remedied;
 use super::outcome::Outcome;
-use crate::motion::{
-    About, Diagnosis, Observer, Phase, Quiet, Remedy, Scene, TakeEvent, Timing, Verdict,
-};
+use crate::motion::{About, Diagnosis, Observer, Phase, Remedy, Scene, TakeEvent, Timing, Verdict};
 use crate::physics::contact;
 
 /// Greatest distance from the samples in the scene's weights of a motion that is not looked into: a hand
@@ -51,18 +51,18 @@ const ABOUT: f64 = 3.0;
 const ROUNDS: usize = 3;
 
 /// Likely mistakes about a take, that which explains most first; `outcome` is what is estimated as
-/// things are said.
+/// things are said, and took so much work.
 pub(super) fn diagnose(
     scene: &Scene,
     events: &[TakeEvent],
-    outcome: Option<&Outcome>,
+    (outcome, work): (Option<&Outcome>, usize),
     observer: &mut dyn Observer,
 ) -> Vec<Diagnosis> {
     if outcome.is_some_and(|outcome| is_well(outcome, NEAR)) || observer.should_stop() {
         return Vec::new();
     }
     observer.phase(Phase::Diagnose);
-    let mut observer = Quiet(observer);
+    let mut budget = Budget::beside(work, observer);
     let motion = outcome
         .filter(|outcome| is_motion(outcome))
         .map(|outcome| Motion {
@@ -72,7 +72,7 @@ pub(super) fn diagnose(
             is_credible: false,
             alone: 0.0,
         });
-    let seen = flights_by_stamps(scene, events, &mut observer);
+    let seen = flights_by_stamps(scene, events, &mut budget);
     let flights = match (&motion, scene.timing) {
         (_, Timing::Known | Timing::Edited) => seen.clone(),
         (Some(motion), Timing::Unknown { .. }) => motion.flights(),
@@ -95,10 +95,10 @@ pub(super) fn diagnose(
         remedies(&facts)
     };
     for remedy in remedies {
-        if observer.should_stop() {
+        if budget.is_over() {
             break;
         }
-        let Some((remedy, with)) = best(remedy, &facts, most, &mut observer) else {
+        let Some((remedy, with)) = best(remedy, &facts, most, &mut budget) else {
             continue;
         };
         let distance = with.distance();
@@ -167,12 +167,7 @@ fn remedies(facts: &Facts) -> Vec<Remedy> {
 }
 
 /// A remedy with its best value, and the motion with it.
-fn best(
-    remedy: Remedy,
-    facts: &Facts,
-    most: f64,
-    observer: &mut dyn Observer,
-) -> Option<(Remedy, Motion)> {
+fn best(remedy: Remedy, facts: &Facts, most: f64, budget: &mut Budget) -> Option<(Remedy, Motion)> {
     // Lengths in another unit are compared as they came.
     let farthest = match remedy {
         Remedy::PositionUnit(_) => EXPLAINED,
@@ -183,7 +178,7 @@ fn best(
             // From about there on, all that the motion shows of the mount counts.
             let (scene, events) = remedied(&remedy, facts.scene, facts.events)?;
             let open = mount::open(&scene, track, slip);
-            let motion = Motion::of(&open, &events, ABOUT * farthest, observer)?;
+            let motion = Motion::of(&open, &events, ABOUT * farthest, budget)?;
             Remedy::Mount {
                 track,
                 link_from_tracker: motion.scene.tracks[track].link_from_tracker,
@@ -194,7 +189,7 @@ fn best(
     };
     let mut tried = |remedy: Remedy| {
         let (scene, events) = remedied(&remedy, facts.scene, facts.events)?;
-        let motion = Motion::of(&scene, &events, farthest, observer)?;
+        let motion = Motion::of(&scene, &events, farthest, budget)?;
         Some((remedy, motion))
     };
     let mut best = tried(remedy)?;

@@ -63,6 +63,7 @@ fn cause(remedy: &Remedy) -> &'static str {
         Remedy::GoalQuaternions(_) => "goal_quaternion",
         Remedy::Surface { .. } => "surface_height",
         Remedy::Origin { .. } => "origin",
+        Remedy::FreeLabels { .. } => "goal_labels",
     }
 }
 
@@ -89,6 +90,7 @@ fn key(remedy: &Remedy, source: SampleSource) -> &'static str {
         Remedy::StreamQuaternions(_) => "stream.orientation",
         Remedy::GoalQuaternions(_) => "goal.orientation_wxyz",
         Remedy::Surface { .. } | Remedy::Origin { .. } => "surface.point_mm",
+        Remedy::FreeLabels { .. } => "goal.labels",
     }
 }
 
@@ -128,6 +130,7 @@ fn value(scene: &Scene, remedy: &Remedy) -> String {
             QuaternionSlip::ScalarFirst | QuaternionSlip::ScalarLast => "[w, x, y, z]".to_owned(),
         },
         Remedy::Surface { point_m, .. } => tenths(&(point_m * 1e3)),
+        Remedy::FreeLabels { .. } => "\"free\"".to_owned(),
         Remedy::Origin { higher_m } => format!("+ {}", tenths(&(higher_m * 1e3))),
     }
 }
@@ -252,6 +255,14 @@ fn advice(scene: &Scene, of: &Diagnosis, value: &str) -> String {
             let name = &surface.name;
             format!(
                 "the bounces are {height_mm:.0} mm {side} `{name}`: set `surface.point_mm = {value}` there"
+            )
+        }
+        Remedy::FreeLabels { goal } => {
+            let goal = &scene.rest_goals[*goal];
+            format!(
+                "with the labels of `{}` turned it shows {}: it moves the same whatever its sides are called, so set \
+                 `labels = {value}` in its goal at rest",
+                scene.links[goal.link].name, goal.name
             )
         }
         Remedy::Origin { higher_m } => {

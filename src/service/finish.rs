@@ -1,6 +1,7 @@
 //! What all drivers share: find the scene, run the pipeline, write the file, report.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use anyhow::{Context, bail};
 
@@ -12,9 +13,9 @@ use super::stopwatch::Stopwatch;
 use super::working::Working;
 use crate::config::scene_from_toml;
 use crate::ingest::{Recording, SCENE_NAME, TakeReport, is_pipe, listed};
-use crate::motion::{Phase, Scene};
+use crate::motion::Scene;
 use crate::pipeline::{Outcome, Pipeline};
-use crate::report::{Circumstances, RecordingReport, Reported};
+use crate::report::{Circumstances, RecordingReport, Reported, Spent};
 use crate::write::atomic::target_of;
 use crate::write::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, write_estimate};
 
@@ -164,19 +165,17 @@ pub(super) fn finished(
 ) -> anyhow::Result<(RecordingReport, Outcome)> {
     let recording = &opened.recording;
     opened.deadline.check(recording.path())?;
+    let reading_seconds = opened.deadline.elapsed().as_secs_f64();
     let mut stopwatch = Stopwatch::start(opened.deadline, working);
-    let outcome = pipeline
-        .finish(&mut stopwatch)
-        .map_err(|error| Refusal::new(pipeline, error))
-        .with_context(|| recording.path().display().to_string())?;
+    let outcome = match pipeline.finish(&mut stopwatch) {
+        Ok(outcome) => outcome,
+        Err(error) => {
+            let refusal = Refusal::new(pipeline, error, &mut stopwatch);
+            return Err(refusal).with_context(|| recording.path().display().to_string());
+        }
+    };
     let ended_early = stopwatch.has_ended_it();
     let (whole_seconds, phase_seconds) = stopwatch.stop();
-    let is_after = |phase: &Phase| {
-        use Phase::{Adequacy, Diagnose, Rest, Settle, Verify};
-        matches!(phase, Adequacy | Verify | Diagnose | Settle | Rest)
-    };
-    let after = phase_seconds.iter().filter(|(phase, _)| is_after(phase));
-    let solve_seconds = whole_seconds - after.map(|(_, seconds)| seconds).sum::<f64>();
     tracing::info!(
         recording = %recording.path().display(),
         verdict = outcome.estimate.verdict.as_str(),
@@ -184,6 +183,7 @@ pub(super) fn finished(
         "estimated"
     );
     working.now("writing");
+    let writing = Instant::now();
     let written = write_estimate(
         output,
         &EstimateFile {
@@ -211,7 +211,8 @@ pub(super) fn finished(
     let circumstances = Circumstances {
         recording: recording.path().display().to_string(),
         output: output.display().to_string(),
-        solve_seconds,
+        spent: Spent::of(whole_seconds, &phase_seconds)
+            .with_files(reading_seconds, writing.elapsed().as_secs_f64()),
         phase_seconds,
         ended_early,
         lost,

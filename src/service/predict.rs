@@ -27,6 +27,8 @@ pub struct PredictJob {
     pub until: Option<String>,
     /// How long is simulated at most \[s\].
     pub limit_s: f64,
+    /// Whether likely mistakes are looked for ([`Pipeline::with_diagnoses`](crate::pipeline::Pipeline::with_diagnoses)).
+    pub is_diagnosing: bool,
     /// How long reading and estimating may take; no limit by default.
     pub deadline: Option<Duration>,
 }
@@ -59,6 +61,7 @@ pub fn predict(job: &PredictJob) -> anyhow::Result<RecordingReport> {
             "{path}: no mark of {name:?}, expected one: the motion is predicted from there; `enact mark` proposes marks"
         );
     };
+    let pipeline = pipeline.with_diagnoses(job.is_diagnosing);
     finish(&opened, &pipeline, &take.report, &output, &working)
 }
 

@@ -28,6 +28,8 @@ pub struct ProcessJob {
     pub scene: Option<PathBuf>,
     /// Whether what explains a misfit is set free ([`Pipeline::with_free_auto`](crate::pipeline::Pipeline::with_free_auto)).
     pub is_free_auto: bool,
+    /// Whether likely mistakes are looked for ([`Pipeline::with_diagnoses`](crate::pipeline::Pipeline::with_diagnoses)).
+    pub is_diagnosing: bool,
     /// How long reading and estimating each may take; no limit by default.
     pub deadline: Option<Duration>,
 }
@@ -137,6 +139,7 @@ fn one(job: &ProcessJob, input: &Path, output: &Path) -> Result<Processed, Failu
         let take = opened.recording.take(opened.scene.for_reading())?;
         let pipeline = opened.scene.pipeline(take.events);
         let pipeline = pipeline.with_free_auto(job.is_free_auto);
+        let pipeline = pipeline.with_diagnoses(job.is_diagnosing);
         let report = finish(&opened, &pipeline, &take.report, output, &Working::hidden())?;
         Ok(Processed::Estimated(Box::new(report)))
     };

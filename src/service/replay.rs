@@ -28,6 +28,8 @@ pub struct ReplayJob {
     /// Publish it over iceoryx2 too, as its trackers and a daemon would have: at the pace of the
     /// performance unless `rate` is given.
     pub publish: Option<PublishJob>,
+    /// Whether likely mistakes are looked for ([`Pipeline::with_diagnoses`](crate::pipeline::Pipeline::with_diagnoses)).
+    pub is_diagnosing: bool,
     /// How long reading and estimating may take; no limit by default.
     pub deadline: Option<Duration>,
 }
@@ -81,6 +83,7 @@ fn replayed(
         pipeline.push(event);
     }
     let pipeline = pipeline.with_free_auto(job.is_free_auto);
+    let pipeline = pipeline.with_diagnoses(job.is_diagnosing);
     let (report, outcome) = finished(&opened, &pipeline, source.report(), output, working)?;
     if let Some(publication) = publication {
         publication.end(&outcome)?;

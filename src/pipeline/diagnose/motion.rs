@@ -3,9 +3,10 @@
 
 use nalgebra::UnitQuaternion;
 
+use super::budget::Budget;
 use crate::motion::{
-    Distance, Estimate, Observer, Remedy, Sample, Scene, Sketch, TakeEvent, Timing, TrackIndex,
-    VelocityGaps, Verdict,
+    Distance, Estimate, Remedy, Sample, Scene, Sketch, TakeEvent, Timing, TrackIndex, VelocityGaps,
+    Verdict,
 };
 use crate::pipeline::perform::Prepared;
 use crate::verify::credible;
@@ -14,8 +15,6 @@ use crate::verify::credible;
 /// physical stamps and where times are unknown.
 const TIMED: f64 = 1.05;
 const UNTIMED: f64 = 2.0;
-/// Iterations of one try.
-const ITERATIONS: usize = 100;
 
 /// A motion of the take as it is said to be, or with a remedy.
 pub(super) struct Motion {
@@ -42,9 +41,10 @@ pub(super) struct Flight {
 pub(super) fn flights_by_stamps(
     scene: &Scene,
     events: &[TakeEvent],
-    observer: &mut dyn Observer,
+    budget: &mut Budget,
 ) -> Vec<Flight> {
-    let prepared = Prepared::new(scene, events, observer);
+    budget.prepare();
+    let prepared = Prepared::new(scene, events, &mut ());
     let Ok(prepared) = prepared else {
         return Vec::new();
     };
@@ -56,28 +56,6 @@ pub(super) fn flights_by_stamps(
     flights.collect()
 }
 
-/// An observer of one try, which it ends where it takes many more iterations than a motion that fits.
-struct Budget<'a> {
-    observer: &'a mut dyn Observer,
-    left: usize,
-}
-
-impl<'a> Budget<'a> {
-    fn new(observer: &'a mut dyn Observer) -> Self {
-        Self {
-            observer,
-            left: ITERATIONS,
-        }
-    }
-}
-
-impl Observer for Budget<'_> {
-    fn should_stop(&mut self) -> bool {
-        self.left = self.left.saturating_sub(1);
-        self.left == 0 || self.observer.should_stop()
-    }
-}
-
 impl Motion {
     /// Estimates a take; `None` where no motion closes its gaps, or where its flights are further than
     /// `farthest` from their samples even one by one, in the scene's weights.
@@ -85,13 +63,17 @@ impl Motion {
         scene: &Scene,
         events: &[TakeEvent],
         farthest: f64,
-        observer: &mut dyn Observer,
+        budget: &mut Budget,
     ) -> Option<Self> {
+        if budget.is_over() {
+            return None;
+        }
+        budget.prepare();
         let mut scene = scene.clone();
         if scene.velocity_gaps == VelocityGaps::WhenNeeded {
             scene.velocity_gaps = VelocityGaps::Never;
         }
-        let prepared = Prepared::new(&scene, events, observer).ok()?;
+        let prepared = Prepared::new(&scene, events, &mut ()).ok()?;
         let slack = match scene.timing {
             // Guessed times are not yet those that fit best.
             Timing::Unknown { .. } => UNTIMED,
@@ -101,7 +83,7 @@ impl Motion {
         if !(alone <= farthest) {
             return None;
         }
-        let performed = prepared.performed(&mut Budget::new(observer)).ok()?;
+        let performed = prepared.performed(&mut budget.of_one()).ok()?;
         let (given, estimate) = (performed.inferred.scene, performed.inferred.solved.estimate);
         if estimate.verdict == Verdict::Failed {
             return None;

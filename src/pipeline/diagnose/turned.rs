@@ -19,7 +19,7 @@ use super::facts::Facts;
 use super::motion::Flight;
 use crate::math::Pose;
 use crate::math::so3::{exp, log, matrix};
-use crate::motion::{LinkIndex, Scene, Sees, TrackIndex};
+use crate::motion::{LinkIndex, Quantity, Scene, Sees, TrackIndex};
 
 /// Greatest share of what bends the line that another turn may leave, to be looked into.
 const STRAIGHT: f64 = 0.5;
@@ -29,6 +29,9 @@ const SAME_MOMENT: f64 = 0.02;
 const LEAST_RAD: f64 = 0.1;
 /// First and last step of the search for a turn \[rad\].
 const STEPS_RAD: [f64; 2] = [0.4, 1e-3];
+/// Greatest share that a step leaves, and most steps: along turns that change nothing there is no end.
+const LOWER: f64 = 0.999;
+const SWEEPS: usize = 120;
 /// Least number of samples of a flight.
 const LEAST: usize = 6;
 /// Turns about each axis from which the search begins where nothing tells them apart beforehand \[rad\].
@@ -40,7 +43,9 @@ const MOST: usize = 8;
 /// it sees no orientation.
 pub(super) fn mounts(facts: &Facts, track: TrackIndex) -> Vec<Pose> {
     let seen = &facts.scene.tracks[track];
-    if seen.sees != Sees::Pose || facts.scene.is_held(seen.link) {
+    let turn = Quantity::TrackerOrientation { track, axis: 0 };
+    let is_told = !facts.scene.is_held(seen.link) && facts.scene.untold(turn).is_none();
+    if seen.sees != Sees::Pose || !is_told {
         return Vec::new();
     }
     let mut turns = by_flights(facts, track);
@@ -167,14 +172,17 @@ fn descended(
 ) -> (UnitQuaternion<f64>, f64) {
     let (mut at, mut least) = (start, of(&start));
     let mut step_rad = STEPS_RAD[0];
-    while step_rad > STEPS_RAD[1] {
+    for _ in 0..SWEEPS {
+        if step_rad < STEPS_RAD[1] {
+            break;
+        }
         let sides = (0..6).map(|side| {
             let sign = if side % 2 == 0 { 1.0 } else { -1.0 };
             let there = at * exp(&(Vector3::ith(side / 2, sign * step_rad)));
             (there, of(&there))
         });
         match sides.min_by(|a, b| a.1.total_cmp(&b.1)) {
-            Some((there, lower)) if lower < least => (at, least) = (there, lower),
+            Some((there, lower)) if lower < LOWER * least => (at, least) = (there, lower),
             _ => step_rad *= 0.5,
         }
     }
