@@ -453,7 +453,11 @@ fn mounts_are_written_in_the_frame_in_which_the_body_is_given() {
                 exp(&Vector3::new(0.0, 0.0, 0.7)) * enact::math::so3::between(&up, &Vector3::z());
             let samples = (0..400).map(|step| {
                 let turn = given * truth * exp(&(noise.white() * 2e-4));
-                sample(f64::from(step) * 0.01, PLACE_M, &turn)
+                sample(
+                    f64::from(step) * 0.01,
+                    PLACE_M + noise.white() * 1e-4,
+                    &turn,
+                )
             });
             let samples: Vec<PoseSample> = samples.collect();
             let name = format!("{}.mcap", arguments.len());
@@ -485,13 +489,12 @@ fn a_board_that_was_touched_stays_where_it_ends() {
     std::fs::write(&scene, board).unwrap();
     std::fs::write(&touched, plane).unwrap();
     let text = ok(&["scene", "calibrated", &scene, &touched], 0);
-    let surfaces = scene_from_toml(&text).unwrap().surfaces;
-    let tops = surfaces.iter().filter_map(|surface| surface.plane());
-    let mut tops = tops.filter(|(_, normal)| (normal - Vector3::z()).norm() < 1e-9);
-    let (point_m, _) = tops.next().unwrap();
+    // Half of its thickness below.
+    let board = &scene_from_toml(&text).unwrap().obstacles[0];
+    let middle_m = board.world_from_shape.translation.vector;
     assert!(
-        (point_m - Vector3::new(0.0, 0.0, 0.007)).norm() < 1e-9,
-        "{point_m}"
+        (middle_m - Vector3::new(0.0, 0.0, 0.002)).norm() < 1e-9,
+        "{middle_m}"
     );
 }
 

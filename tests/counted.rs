@@ -69,7 +69,7 @@ fn record(path: &Path, marks: &[(f64, Option<&str>)]) {
     writer
         .attach("scene.toml", "application/toml", toml)
         .unwrap();
-    for step in 0..(1.6 * RATE_HZ) as usize {
+    for step in 0..(1.5 * RATE_HZ) as usize {
         let time_s = step as f64 / RATE_HZ;
         // A tenth of a millimetre that is not the motion's.
         let off = Vector3::from_fn(|axis, _| ((step * (7 + axis * 4)) as f64).sin() * 1e-4);
@@ -116,7 +116,7 @@ fn events_without_a_mark_are_named_as_they_are_estimated() {
         ),
         (
             "end.mcap",
-            vec![(1.59, Some("end"))],
+            vec![(1.49, Some("end"))],
             &["bounce 1", "bounce 2", "bounce 3"],
         ),
         (

@@ -45,7 +45,7 @@ const ALL: f64 = 1.3;
 /// Least and greatest step of a remedy's value \[m\].
 const LEAST_STEP_M: f64 = 1e-3;
 const FARTHEST_M: f64 = 0.3;
-/// How much farther from its samples a motion may be with a mount that is known roughly.
+/// How much farther from its samples a motion may be at first where a turn is known roughly.
 const ABOUT: f64 = 3.0;
 /// Rounds in which a mount is fitted again.
 const ROUNDS: usize = 3;
@@ -62,7 +62,7 @@ pub(super) fn diagnose(
         return Vec::new();
     }
     observer.phase(Phase::Diagnose);
-    let mut budget = Budget::beside(work, observer);
+    let mut budget = Budget::beside(work, (scene, events), observer);
     let motion = outcome
         .filter(|outcome| is_motion(outcome))
         .map(|outcome| Motion {
@@ -168,24 +168,12 @@ fn remedies(facts: &Facts) -> Vec<Remedy> {
 
 /// A remedy with its best value, and the motion with it.
 fn best(remedy: Remedy, facts: &Facts, most: f64, budget: &mut Budget) -> Option<(Remedy, Motion)> {
-    // Lengths in another unit are compared as they came.
     let farthest = match remedy {
+        // Lengths in another unit are compared as they came.
         Remedy::PositionUnit(_) => EXPLAINED,
+        // A turn that is known roughly comes nearer as it is fitted.
+        Remedy::Mount { slip, .. } if slip.is_turned() => ABOUT * EXPLAINED,
         _ => most.min(EXPLAINED),
-    };
-    let remedy = match remedy {
-        Remedy::Mount { track, slip, .. } if slip.is_turned() => {
-            // From about there on, all that the motion shows of the mount counts.
-            let (scene, events) = remedied(&remedy, facts.scene, facts.events)?;
-            let open = mount::open(&scene, track, slip);
-            let motion = Motion::of(&open, &events, ABOUT * farthest, budget)?;
-            Remedy::Mount {
-                track,
-                link_from_tracker: motion.scene.tracks[track].link_from_tracker,
-                slip,
-            }
-        }
-        remedy => remedy,
     };
     let mut tried = |remedy: Remedy| {
         let (scene, events) = remedied(&remedy, facts.scene, facts.events)?;
@@ -233,16 +221,26 @@ fn best(remedy: Remedy, facts: &Facts, most: f64, budget: &mut Budget) -> Option
 
 /// A mount fitted again, at the times of the last motion.
 fn fitted((remedy, motion): &(Remedy, Motion)) -> Option<Remedy> {
-    match remedy {
-        Remedy::Mount { track, slip, .. } if slip.is_fitted() && !slip.is_turned() => {
-            Some(Remedy::Mount {
-                track: *track,
-                link_from_tracker: mount::fitted(&motion.scene, &motion.flights(), *track)?,
-                slip: *slip,
-            })
-        }
-        _ => None,
+    let Remedy::Mount { track, slip, .. } = remedy else {
+        return None;
+    };
+    let mut scene = motion.scene.clone();
+    if slip.is_turned() {
+        scene.tracks[*track].link_from_tracker = mount::aligned(motion, *track)?;
     }
+    let offset = slip
+        .is_fitted()
+        .then(|| mount::fitted(&scene, &motion.flights(), *track));
+    let link_from_tracker = match offset.flatten() {
+        Some(pose) => pose,
+        None if slip.is_turned() => scene.tracks[*track].link_from_tracker,
+        None => return None,
+    };
+    Some(Remedy::Mount {
+        track: *track,
+        link_from_tracker,
+        slip: *slip,
+    })
 }
 
 /// Directions in which a remedy's value is still to be found: what impacts show and flights do not.

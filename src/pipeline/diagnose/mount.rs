@@ -12,12 +12,11 @@
 use nalgebra::{Matrix3, SymmetricEigen, Translation3, Vector3};
 
 use super::facts::Facts;
-use super::motion::Flight;
+use super::motion::{Flight, Motion};
 use super::turned::mounts;
 use crate::math::Pose;
-use crate::motion::{
-    FreeParameter, MountSlip, Quantity, QuaternionSlip, Remedy, Scene, TrackIndex,
-};
+use crate::math::so3::{exp, log};
+use crate::motion::{MountSlip, QuaternionSlip, Remedy, Scene, TrackIndex};
 
 /// Least offset \[m\].
 const LEAST_M: f64 = 1e-3;
@@ -25,9 +24,6 @@ const LEAST_M: f64 = 1e-3;
 const LEAST_SHARE: f64 = 0.02;
 /// The same, below which impacts are asked too.
 const WEAK_SHARE: f64 = 0.1;
-/// How far a turn and an offset may be from what flights show, as standard deviations \[rad\], \[m\].
-const OPEN_RAD: f64 = 0.5;
-const OPEN_M: f64 = 0.05;
 
 /// Other mounts of each tracker.
 pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
@@ -127,30 +123,33 @@ fn elsewhere(facts: &Facts, track: TrackIndex, turned: &Pose) -> Option<Pose> {
     Some(Pose::from_parts(moved, turned.rotation))
 }
 
-/// The scene with a mount that is to be found near where it is: its turn, and its offset where that is doubted too.
-pub(super) fn open(scene: &Scene, track: TrackIndex, slip: MountSlip) -> Scene {
-    let along = |of: fn(TrackIndex, usize) -> Quantity, sd: f64| {
-        let missing = (0..3).map(move |axis| of(track, axis));
-        let missing = missing.filter(|quantity| !scene.frees(*quantity));
-        missing.map(move |quantity| FreeParameter {
-            prior_sd: Some(sd),
-            ..scene.freed(quantity, 0.0)
-        })
-    };
-    let turns = along(
-        |track, axis| Quantity::TrackerOrientation { track, axis },
-        OPEN_RAD,
-    );
-    let places = along(
-        |track, axis| Quantity::TrackerPosition { track, axis },
-        OPEN_M,
-    );
-    let mut open = scene.clone();
-    open.parameters.extend(turns);
-    if slip.is_fitted() {
-        open.parameters.extend(places);
+/// A mount turned so that what is seen of a flight is, in the mean, as the motion has it.
+pub(super) fn aligned(motion: &Motion, track: TrackIndex) -> Option<Pose> {
+    let (scene, estimate) = (&motion.scene, &motion.estimate);
+    let mechanism = scene.mechanism_seen_by(track);
+    let dynamics = scene.dynamics(mechanism);
+    let arcs = estimate
+        .arcs
+        .iter()
+        .filter(|arc| arc.mechanism == mechanism);
+    let arcs: Vec<_> = arcs.collect();
+    let (mut sum, mut count) = (Vector3::zeros(), 0.0);
+    for flight in motion.flights().iter().filter(|of| of.track == track) {
+        for (time_s, sample) in &flight.readings {
+            let within = arcs.iter().find(|arc| *time_s <= arc.end_s);
+            let (Some(arc), Some(seen)) = (within.or(arcs.last()), sample.seen.orientation())
+            else {
+                continue;
+            };
+            let since_s = time_s - arc.epoch_s;
+            let state = dynamics.advance(&estimate.gravity_m_s2, &arc.state, since_s);
+            sum += log(&(state.orientation.inverse() * seen));
+            count += 1.0;
+        }
     }
-    open
+    let given = scene.tracks[track].link_from_tracker;
+    let turned = exp(&(sum / count)) * given.rotation;
+    (count > 0.0).then(|| Pose::from_parts(given.translation, turned))
 }
 
 /// The mount with the offset that fits flights best; `None` where the body turns in none of the track, and

@@ -11,7 +11,7 @@
 //! is a straight line: linear in `J`, in steady time where stamps are physical. Noise adds as much for every `E`.
 //! The line tells `E` up to the turns that leave the tensor as it is: half turns about principal axes, any turn about
 //! an axis of symmetry, and all turns of a body whose moments are equal. Goals of poses, which a performance ends
-//! near, and impacts tell those.
+//! near, tell those.
 
 use nalgebra::{Matrix3, Matrix6, SMatrix, SymmetricEigen, UnitQuaternion, Vector3, Vector6};
 
@@ -19,7 +19,7 @@ use super::facts::Facts;
 use super::motion::Flight;
 use crate::math::Pose;
 use crate::math::so3::{exp, log, matrix};
-use crate::motion::{LinkIndex, Quantity, Scene, Sees, TrackIndex};
+use crate::motion::{Quantity, Sees, TrackIndex};
 
 /// Greatest share of what bends the line that another turn may leave, to be looked into.
 const STRAIGHT: f64 = 0.5;
@@ -34,10 +34,8 @@ const LOWER: f64 = 0.999;
 const SWEEPS: usize = 120;
 /// Least number of samples of a flight.
 const LEAST: usize = 6;
-/// Turns about each axis from which the search begins where nothing tells them apart beforehand \[rad\].
-const ABOUT_RAD: f64 = 0.9;
 /// Most turns that are tried.
-const MOST: usize = 8;
+const MOST: usize = 6;
 
 /// Other mounts of a tracker, turned by what flights and goals show, that which explains them most first; none where
 /// it sees no orientation.
@@ -51,12 +49,6 @@ pub(super) fn mounts(facts: &Facts, track: TrackIndex) -> Vec<Pose> {
     let mut turns = by_flights(facts, track);
     let by_goals = facts.seen.iter().filter(|flight| flight.track == track);
     turns.extend(by_goals.filter_map(by_goal));
-    if is_alike(facts.scene, seen.link) {
-        turns.extend((0..6).map(|at| {
-            let sign = if at % 2 == 0 { 1.0 } else { -1.0 };
-            exp(&(Vector3::ith(at / 2, sign * ABOUT_RAD)))
-        }));
-    }
     let mut kept: Vec<UnitQuaternion<f64>> = Vec::new();
     for turn in turns {
         let is_new = kept.iter().all(|other| other.angle_to(&turn) > LEAST_RAD);
@@ -70,11 +62,6 @@ pub(super) fn mounts(facts: &Facts, track: TrackIndex) -> Vec<Pose> {
         Pose::from_parts(given.translation, turn * given.rotation)
     });
     turned.collect()
-}
-
-/// Whether a link's moments tell none of its axes.
-fn is_alike(scene: &Scene, link: LinkIndex) -> bool {
-    symmetry(&scene.links[link].body.moments_kg_m2()) == Symmetry::Sphere
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
