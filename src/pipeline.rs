@@ -202,6 +202,9 @@ impl Pipeline {
         let known = predicting.and_then(Solved::last_states);
         let mut outcome = solved.outcome(observer);
         outcome.freed = freed;
+        if self.is_predicting {
+            outcome.end_where_it_touches();
+        }
         if outcome.estimate.verdict != Verdict::Failed {
             observer.phase(Phase::Verify);
             outcome.verification = Some(verify(&outcome.scene, &outcome.estimate));

@@ -28,4 +28,4 @@ mod whole;
 
 pub use overlap::TOLERANCE_M;
 pub use rest::{is_met, lies, up_name};
-pub use whole::{touches, verify};
+pub use whole::{overlap_begins_s, touches, verify};
