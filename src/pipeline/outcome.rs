@@ -113,9 +113,10 @@ impl Outcome {
     /// Ends the motion where it begins to go into something. A prediction is of a flight that ends with a mark, which is
     /// no time of a touch: what was seen until then may go on past it.
     pub(super) fn end_where_it_touches(&mut self) {
-        let is_motion = self.estimate.verdict != Verdict::Failed;
-        let begins_s = overlap_begins_s(&self.scene, &self.estimate);
-        if let Some(end_s) = begins_s.filter(|_| is_motion) {
+        // Of a failed estimate not even times need be finite.
+        if self.estimate.verdict != Verdict::Failed
+            && let Some(end_s) = overlap_begins_s(&self.scene, &self.estimate)
+        {
             self.estimate.end_at(end_s);
         }
     }
