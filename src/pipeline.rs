@@ -31,7 +31,8 @@ pub use self::search::SearchWork;
 use self::stages::doubts;
 use crate::estimate::Solved;
 use crate::motion::{
-    Diagnosis, End, EventKind, Mark, Observer, Phase, Scene, Stamp, TakeEvent, TrackIndex, Verdict,
+    Counted, Diagnosis, End, EventKind, Mark, Observer, Phase, Scene, Stamp, TakeEvent, TrackIndex,
+    Verdict,
 };
 use crate::segment;
 use crate::verify::verify_until;
@@ -45,6 +46,8 @@ pub struct Pipeline {
     is_free_auto: bool,
     /// See [`Pipeline::predicting`].
     is_predicting: bool,
+    /// See [`Pipeline::with_diagnoses`].
+    is_diagnosing: bool,
 }
 
 impl Pipeline {
@@ -60,6 +63,7 @@ impl Pipeline {
             events: events.into_iter().collect(),
             is_free_auto: false,
             is_predicting: false,
+            is_diagnosing: true,
         }
     }
 
@@ -70,6 +74,19 @@ impl Pipeline {
             is_free_auto,
             ..self
         }
+    }
+
+    /// The same with or without diagnoses: tries of remedies, which take up to ten times the work of the estimation.
+    pub fn with_diagnoses(self, is_diagnosing: bool) -> Self {
+        Self {
+            is_diagnosing,
+            ..self
+        }
+    }
+
+    /// Whether likely mistakes are looked for.
+    pub fn is_diagnosing(&self) -> bool {
+        self.is_diagnosing
     }
 
     /// Whether what explains a misfit is set free.
@@ -132,11 +149,12 @@ impl Pipeline {
         });
         let scene = &self.scene.with_marks(marks);
         let sketch = segment::clean::unmarked(scene, &self.events)?;
+        let name = |event: usize| scene.events[event].name.clone();
         let collisions = segment::propose(scene, &sketch, count).into_iter();
         let mut marks: Vec<MarkProposal> = collisions
             .map(|proposal| MarkProposal {
                 track: Some(proposal.track),
-                event: proposal.event,
+                event: proposal.event.map(name),
                 stamp: proposal.stamp(&sketch),
                 time_s: proposal.acted_s,
                 score: Some(proposal.score),
@@ -154,7 +172,7 @@ impl Pipeline {
             };
             marks.extend(stamp.map(|stamp| MarkProposal {
                 track: None,
-                event: Some(index),
+                event: Some(name(index)),
                 stamp,
                 time_s: stamp.seconds_since(sketch.origin),
                 score: None,
@@ -173,7 +191,9 @@ impl Pipeline {
             observer.phase(Phase::Done);
             return Ok(outcome);
         }
-        let mut solved = self.solved(observer)?;
+        let mut counted = Counted { observer, work: 0 };
+        let mut solved = self.solved(&mut counted)?;
+        let Counted { observer, work } = counted;
         let sought = rest::seek(&mut solved, &self.events, observer);
         solved.judge(observer);
         let led = Led::of(&solved, &self.events, observer)?;
@@ -188,6 +208,9 @@ impl Pipeline {
         let known = predicting.and_then(Solved::last_states);
         let mut outcome = solved.outcome(observer);
         outcome.freed = freed;
+        if self.is_predicting {
+            outcome.end_where_it_touches();
+        }
         if outcome.estimate.verdict != Verdict::Failed {
             observer.phase(Phase::Verify);
             outcome.verification = verify_until(&outcome.scene, &outcome.estimate, observer);
@@ -201,13 +224,18 @@ impl Pipeline {
             }
         }
         // What was led to its rest is as far from the performance as that takes.
-        if !matches!(outcome.estimate.reason.end, End::Simulated(_)) {
-            outcome.diagnoses = diagnose(&self.scene, &self.events, Some(&outcome), observer);
+        let is_led = matches!(outcome.estimate.reason.end, End::Simulated(_));
+        if self.is_diagnosing && !is_led {
+            let solved = (Some(&outcome), work);
+            outcome.diagnoses = diagnose(&self.scene, &self.events, solved, observer);
         }
         outcome.settle(self.is_predicting, observer);
         outcome.spread(known.as_deref(), observer);
         if let Some(sought) = sought {
             outcome.lie(sought.work, sought.labels);
+            if self.is_diagnosing {
+                outcome.diagnoses.extend(sought.offered);
+            }
         }
         observer.phase(Phase::Done);
         Ok(outcome)
@@ -215,10 +243,10 @@ impl Pipeline {
 
     /// Likely mistakes in what is said of a take for which [`finish`](Self::finish) gives an error.
     pub fn diagnose(&self, observer: &mut dyn Observer) -> Vec<Diagnosis> {
-        if self.scene.joint_trees().next().is_some() {
+        if !self.is_diagnosing || self.scene.joint_trees().next().is_some() {
             return Vec::new();
         }
-        diagnose(&self.scene, &self.events, None, observer)
+        diagnose(&self.scene, &self.events, (None, 0), observer)
     }
 
     /// The estimate from all events, unchecked: its verdict is that of its gaps alone.
@@ -246,8 +274,9 @@ impl Pipeline {
 pub struct MarkProposal {
     /// The track whose motion has the kink (index into `Scene::tracks`); `None` for start and end.
     pub track: Option<TrackIndex>,
-    /// Its event (index into `Scene::events`), if as many were searched for as the scene has.
-    pub event: Option<usize>,
+    /// Name of its event, if as many were searched for as the scene has: `bounce 2` of a collision `bounce` that
+    /// the scene repeats.
+    pub event: Option<String>,
     /// Its time on the clock of the samples.
     pub stamp: Stamp,
     /// Its time [s since the first sample].

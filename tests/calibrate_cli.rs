@@ -364,6 +364,140 @@ fn rest_says_the_noise_and_two_sides_how_the_tracker_is_turned() {
     assert!(ok(&["calibrate", "rest", &moving], 3).contains("was not at rest"));
 }
 
+/// Bodies whose origin is not their centre of mass and whose axes are not their principal ones, each with a feature
+/// `tip` that is there in the frame in which the body is given.
+const GIVEN: &[(&str, [f64; 3])] = &[
+    (
+        "shape = { kind = \"revolution\", profile_mm = [[0, 0], [3.5, 20], [3.5, 190]] }\nmass_g = 6\n\
+         features_mm = { tip = [0, 0, 0] }\n",
+        [0.0, 0.0, 0.0],
+    ),
+    (
+        "shape = { kind = \"revolution\", profile_mm = [[0, 0], [3.5, 20], [3.5, 190]] }\nmass_g = 6\n\
+         features_mm = { tip = [0, 0, 190] }\n",
+        [0.0, 0.0, 190.0],
+    ),
+    (
+        "shape = { kind = \"cuboid\", size_mm = [120, 60, 20], position_mm = [40, 10, -5], \
+         rpy_deg = [20, -35, 50] }\nmass_g = 200\nfeatures_mm = { tip = [5, -10, 30] }\n",
+        [5.0, -10.0, 30.0],
+    ),
+    (
+        "shape = { kind = \"cuboid\", size_mm = [100, 100, 100] }\nmass_g = 300\ncentre_mm = [8, -6, 12]\n\
+         inertia_kg_m2 = [4e-4, 5e-4, 6e-4, 0.7e-4, -0.4e-4, 0.9e-4]\nfeatures_mm = { tip = [50, 50, -50] }\n",
+        [50.0, 50.0, -50.0],
+    ),
+    (
+        "density_kg_m3 = 2300\nfeatures_mm = { tip = [66, 0, 10] }\n[[body.part]]\nname = \"cup\"\n\
+         shape = { kind = \"revolution\", profile_mm = [[0, 0], [41, 0], [41, 95]], wall_mm = 4.5 }\n\
+         [[body.part]]\nname = \"handle\"\n\
+         shape = { kind = \"cuboid\", size_mm = [8, 14, 60], position_mm = [66, 0, 60] }\n",
+        [66.0, 0.0, 10.0],
+    ),
+];
+
+fn given_scene(body: &str, tracker: &str) -> String {
+    format!(
+        "name = \"given\"\n[timing]\nstamps = \"physical\"\n[[body]]\nname = \"pen\"\ntopic = \"/pen\"\n\
+         tracker = {{ {tracker} }}\n{body}"
+    )
+}
+
+/// The tracker's mount in the frame in which the scene gives its body.
+fn mount_given(toml: &str) -> enact::math::Pose {
+    let scene = scene_from_toml(toml).unwrap_or_else(|error| panic!("{error}\n{toml}"));
+    let track = &scene.tracks[TrackIndex(0)];
+    scene.links[track.link].given_from(&track.link_from_tracker)
+}
+
+#[test]
+fn mounts_are_written_in_the_frame_in_which_the_body_is_given() {
+    let turn = UnitQuaternion::from_euler_angles(0.3, -0.5, 1.1);
+    let typed = "rpy_deg = [17.188733854, -28.647889757, 63.025357464]";
+    let swung = swing(27, Hand::None, 0.0, 15.0);
+    for (at, (body, tip_mm)) in GIVEN.iter().enumerate() {
+        let folder = Folder::new();
+        let scene = given_scene(body, typed);
+        assert!(mount_given(&scene).rotation.angle_to(&turn) < 1e-8);
+        let swing = folder.record("swing.mcap", &[("/pen", &swung)], &[], Some(&scene));
+        let truth_m = Vector3::from(*tip_mm) * 1e-3 - turn * TIP_M;
+        // Of its own result it finds the same again.
+        let mut text = scene;
+        for round in 0..2 {
+            let file = folder.name("scene.toml");
+            std::fs::write(&file, &text).unwrap();
+            let tip = folder.name(&format!("{round}.toml"));
+            let pivot = [
+                "calibrate",
+                "pivot",
+                &swing,
+                "--feature",
+                "tip",
+                "--scene",
+                &file,
+            ];
+            ok(&[&pivot[..], &["-o", &tip]].concat(), 0);
+            text = ok(&["scene", "calibrated", &file, &tip], 0);
+            let off_m = (mount_given(&text).translation.vector - truth_m).norm();
+            assert!(
+                off_m < 2e-4,
+                "body {at}, round {round}: off by {off_m} m\n{text}"
+            );
+        }
+        // Standing on two sides of the frame in which it is given, with the tracker turned otherwise than typed.
+        let truth = turn * exp(&Vector3::new(0.3, -0.2, 0.25));
+        let mut arguments = vec!["calibrate".to_owned(), "rest".to_owned()];
+        for up in [Vector3::z(), Vector3::x()] {
+            let mut noise = Noise::new(40 + at as u64, Hand::None);
+            let given =
+                exp(&Vector3::new(0.0, 0.0, 0.7)) * enact::math::so3::between(&up, &Vector3::z());
+            let samples = (0..400).map(|step| {
+                let turn = given * truth * exp(&(noise.white() * 2e-4));
+                sample(
+                    f64::from(step) * 0.01,
+                    PLACE_M + noise.white() * 1e-4,
+                    &turn,
+                )
+            });
+            let samples: Vec<PoseSample> = samples.collect();
+            let name = format!("{}.mcap", arguments.len());
+            arguments.push(folder.record(&name, &[("/pen", &samples)], &[], Some(&text)));
+        }
+        let rest = folder.name("rest.toml");
+        arguments.extend(["--stands", "+z", "--stands", "+x", "-o", &rest].map(str::to_owned));
+        ok(&arguments.iter().map(String::as_str).collect::<Vec<_>>(), 0);
+        let file = folder.name("scene.toml");
+        std::fs::write(&file, &text).unwrap();
+        let text = ok(&["scene", "calibrated", &file, &rest], 0);
+        let off_rad = mount_given(&text).rotation.angle_to(&truth);
+        assert!(off_rad < 1e-3, "body {at}: off by {off_rad} rad\n{text}");
+        assert!(!text.contains("rpy_deg = [17"), "{text}");
+    }
+}
+
+#[test]
+fn a_board_that_was_touched_stays_where_it_ends() {
+    let folder = Folder::new();
+    let board = SCENE.replace(
+        "normal = [0, 0, 1]",
+        "normal = [0, 0, 1]\nsize_mm = [800, 600]",
+    );
+    let plane = "kind = \"plane\"\nprogram = \"enact\"\nconfidence = 0.95\nagainst = []\nnotes = []\n\
+                 recording = []\nquantity = []\n[[scene.surface]]\nname = \"table\"\n\
+                 point_mm = [120.0, -80.0, 7.0]\nnormal = [0.0, 0.0, 1.0]\n";
+    let [scene, touched] = ["board.toml", "table.toml"].map(|name| folder.name(name));
+    std::fs::write(&scene, board).unwrap();
+    std::fs::write(&touched, plane).unwrap();
+    let text = ok(&["scene", "calibrated", &scene, &touched], 0);
+    // Half of its thickness below.
+    let board = &scene_from_toml(&text).unwrap().obstacles[0];
+    let middle_m = board.world_from_shape.translation.vector;
+    assert!(
+        (middle_m - Vector3::new(0.0, 0.0, 0.002)).norm() < 1e-9,
+        "{middle_m}"
+    );
+}
+
 #[test]
 fn gravity_says_direction_size_and_units() {
     let folder = Folder::new();

@@ -152,6 +152,22 @@ fn rows() -> Vec<Row> {
             &[(TURNED, "orientation_wxyz = [0.6, 0.0, 0.0, 0.8]")],
             "[0.8, 0.6, 0, 0]",
         ),
+        // By any rotation, as of a rigid body whose axes are its own.
+        Row::new(
+            "tracker_turned",
+            "body.tracker.orientation_wxyz",
+            Pencil,
+            true,
+        )
+        .edits(
+            &[(
+                PENCIL_TRACKER,
+                "tracker = { position_mm = [12, -5, 40], orientation_wxyz = [0.8, -0.36, 0.1, 0.4691] }",
+            )],
+            "",
+        ),
+        Row::new("tracker_elsewhere", "body.tracker", Pencil, true)
+            .edits(&[(PENCIL_TRACKER, "")], "position_mm"),
         Row::new("goal_inverse", "goal.orientation_wxyz", Pencil, true).edits(
             &[(LANDED, "orientation_wxyz = [0.944, -0.016, -0.032, -0.328]")],
             "world from body",

@@ -12,6 +12,11 @@ use tables::{events, held, parameters, segments};
 use super::output::push_line;
 use crate::report::{RecordingReport, SuspectLine, fit_words, plain};
 
+/// A whole that is as long as this and so many times as long as the solve is told apart \[s\], in parts of this share.
+const LONG_S: f64 = 0.1;
+const LONGER: f64 = 2.0;
+const PART: f64 = 0.01;
+
 /// How an account looks.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Style {
@@ -147,6 +152,21 @@ fn coloured(verdict: &str, style: Style) -> String {
     }
 }
 
+/// Where the time went, where it is much longer than the solve.
+fn took(report: &RecordingReport) -> Option<String> {
+    let parts = &report.spent_seconds.0;
+    let whole_s: f64 = parts.iter().map(|(_, seconds)| seconds).sum();
+    if whole_s < LONG_S || whole_s < LONGER * report.solve_seconds {
+        return None;
+    }
+    let parts = parts
+        .iter()
+        .filter(|(_, seconds)| *seconds > PART * whole_s);
+    let parts = parts.map(|(what, seconds)| format!("{what} {}", duration(*seconds)));
+    let parts: Vec<String> = parts.collect();
+    Some(format!("{}: {}", duration(whole_s), parts.join(", ")))
+}
+
 fn summary(report: &RecordingReport, style: Style) -> String {
     let estimate = &report.estimate;
     let samples = &estimate.samples;
@@ -185,10 +205,14 @@ fn summary(report: &RecordingReport, style: Style) -> String {
         duration(report.solve_seconds),
         estimate.counters.iterations
     );
+    let took = took(report);
     let rounds = estimate.counters.assignment_rounds;
     if rounds > 0 {
         let plural = if rounds == 1 { "" } else { "s" };
         let _ = write!(text, ", {rounds} round{plural} of assignment");
+    }
+    if let Some(took) = took {
+        let _ = write!(text, "\n  took      {took}");
     }
     if style.verbose {
         for (phase, seconds) in &report.phase_seconds.0 {

@@ -133,7 +133,7 @@ fn text(found: &Calibrated) -> String {
             let interval = if halves.is_empty() {
                 String::new()
             } else {
-                format!("± {}", list(&halves))
+                format!("within {}", list(&halves))
             };
             vec![
                 quantity.name.clone(),

@@ -16,6 +16,7 @@ pub(super) fn run(arguments: PredictArguments, verbose: bool) -> anyhow::Result<
         scene: arguments.scene,
         until: arguments.until,
         limit_s: arguments.limit,
+        is_diagnosing: arguments.diagnosing.is_wanted(),
         deadline: arguments.limits.deadline,
     };
     let report = match service::predict(&job) {

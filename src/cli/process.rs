@@ -22,6 +22,7 @@ pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<
         output: arguments.output,
         scene: arguments.scene,
         is_free_auto: arguments.free == Some(Free::Auto),
+        is_diagnosing: arguments.diagnosing.is_wanted(),
         deadline: arguments.limits.deadline,
     };
     let tells_all = verbose || job.inputs.len() <= TOLD;

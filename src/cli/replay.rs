@@ -19,6 +19,7 @@ pub(super) fn run(arguments: ReplayArguments, verbose: bool) -> anyhow::Result<E
         publish: arguments.publish.then_some(PublishJob {
             iceoryx2: arguments.iceoryx2,
         }),
+        is_diagnosing: arguments.diagnosing.is_wanted(),
         deadline: arguments.limits.deadline,
     };
     let report = match service::replay(&job) {

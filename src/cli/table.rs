@@ -48,8 +48,9 @@ pub(super) fn table(indent: &str, head: &[&str], rows: &[Vec<String>]) -> String
     text
 }
 
-/// Begins like a number: `0.41 s`, `< 1 µm`, `± 3 ms`.
+/// Begins like a number: `0.41 s`, `< 1 µm`, `± 3 ms`, `within 0.2`.
 fn numeric(cell: &str) -> bool {
+    let cell = cell.trim_start_matches("within ");
     cell.trim_start_matches(['<', '±', '-', ' ', '['])
         .starts_with(|c: char| c.is_ascii_digit())
 }

@@ -97,7 +97,7 @@ pub fn check_scene(scene: &Scene) -> SceneCheck {
         }
         let mut tracks = scene.tracks.iter().filter(|track| track.link == link);
         let at_origin = |track: &Track| {
-            let given = of.link_from_given.inverse() * track.link_from_tracker;
+            let given = of.given_from(&track.link_from_tracker);
             matches!(track.sees, Sees::Pose)
                 && given.translation.vector.norm() < 1e-9
                 && given.rotation.angle() < 1e-9

@@ -3,6 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::index::TrackIndex;
+use super::take::SampleSource;
 use crate::math::Pose;
 
 /// A likely mistake: with its remedy the performance has a motion that fits, without it none that
@@ -11,6 +12,8 @@ use crate::math::Pose;
 pub struct Diagnosis {
     /// What corrects it.
     pub remedy: Remedy,
+    /// Whether trackers say how the bodies move, or somebody who wrote keyframes of them.
+    pub source: SampleSource,
     /// How far the motion is from the samples as things are said; `None` where there is no motion.
     pub without: Option<Distance>,
     /// How far with the remedy.
@@ -84,6 +87,11 @@ pub enum Remedy {
         /// The point of the plane, moved so [m, world].
         point_m: Vector3<f64>,
     },
+    /// The labels of a body's faces may be turned: then it rests as asked.
+    FreeLabels {
+        /// Index into `Scene::rest_goals`.
+        goal: usize,
+    },
     /// The streams' zero is elsewhere: surfaces, obstacles and goals are all higher.
     Origin {
         /// By how much [m, world].
@@ -128,6 +136,10 @@ pub enum MountSlip {
     Offset,
     /// The components of the orientation are in another order.
     Quaternion,
+    /// The tracker's axes are turned otherwise.
+    Turned,
+    /// They are, and the offset is another too.
+    Elsewhere,
 }
 
 /// How a quaternion was mistaken.
@@ -192,9 +204,17 @@ impl SignedAxis {
 }
 
 impl MountSlip {
+    /// Whether the turn was fitted to the performance.
+    pub fn is_turned(self) -> bool {
+        matches!(self, MountSlip::Turned | MountSlip::Elsewhere)
+    }
+
     /// Whether the offset was fitted to the performance.
     pub fn is_fitted(self) -> bool {
-        matches!(self, MountSlip::Missing | MountSlip::Offset)
+        matches!(
+            self,
+            MountSlip::Missing | MountSlip::Offset | MountSlip::Elsewhere
+        )
     }
 }
 

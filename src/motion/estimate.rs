@@ -285,6 +285,16 @@ impl Estimate {
         spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 
+    /// Ends its flights, and what happens then, at a time at the latest \[s\]. Flights that begin later stay.
+    pub fn end_at(&mut self, end_s: f64) {
+        for arc in self.arcs.iter_mut().filter(|arc| arc.start_s < end_s) {
+            arc.end_s = arc.end_s.min(end_s);
+        }
+        for event in &mut self.events {
+            event.time_s = event.time_s.min(end_s);
+        }
+    }
+
     /// Takes other contacts that are not ruled out: what touches at their events is not determined.
     pub fn is_rivalled_by(&mut self, rivals: Vec<ContactRival>) {
         for rival in &rivals {

@@ -4,7 +4,7 @@ use nalgebra::{Matrix6, Quaternion, UnitQuaternion, Vector3, Vector6};
 
 use super::index::TrackIndex;
 use super::scene::{Scene, Timing, Track};
-use super::take::{Covariance, Holds, Mark, OpenTime, PoseSample, Stamp};
+use super::take::{Covariance, Holds, Mark, OpenTime, PoseSample, SampleSource, Stamp};
 use crate::math::Pose;
 
 /// What of a body is known at one instant: of the frame in which its scene gives it.
@@ -119,6 +119,7 @@ impl Mount {
         }
         let mut sample = PoseSample::from_pose(stamp, &world_from_tracker);
         (sample.holds, sample.open) = (holds, open);
+        sample.from = SampleSource::Keyframe;
         let seen = match (holds, sds) {
             (Holds::Pose, (Some(sd_m), Some(sd_deg))) => Some((sd_m, sd_deg)),
             // The other block is not looked at.

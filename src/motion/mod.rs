@@ -52,7 +52,7 @@ pub use held::{Driven, HeldMotion};
 pub use index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
 pub use joined::{TrackResidual, TreeEstimate, TreeKnot};
 pub use keyframe::{Keyframe, KeyframeTime, Mount, SketchRow};
-pub use observe::{Observer, Phase, Quiet};
+pub use observe::{Counted, Observer, Phase, Quiet};
 pub use open::Contacts;
 pub use reason::{End, Measured, Progress, Reason};
 pub use rest::{Lie, Rest, RestWork};
@@ -72,7 +72,9 @@ pub use sketch::{
 pub use snap::SnapError;
 pub use spread::{LinkSpread, Spread};
 pub use suspect::Suspect;
-pub use take::{Covariance, Holds, Mark, OpenTime, PoseSample, Stamp, StampSource, TakeEvent};
+pub use take::{
+    Covariance, Holds, Mark, OpenTime, PoseSample, SampleSource, Stamp, StampSource, TakeEvent,
+};
 pub use time_map::TimeMap;
 pub use verdict::Verdict;
 pub use verification::{Balance, Deviation, Penetration, Pull, SingleShot, Touch, Verification};

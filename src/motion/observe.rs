@@ -72,6 +72,26 @@ pub trait Observer {
 /// No observer.
 impl Observer for () {}
 
+/// An observer that counts the looks whether a run should stop: its work in iterations, by which costs are limited
+/// where no clock may count.
+pub struct Counted<'a> {
+    /// What is told and asked.
+    pub observer: &'a mut dyn Observer,
+    /// How often it was asked.
+    pub work: usize,
+}
+
+impl Observer for Counted<'_> {
+    fn phase(&mut self, phase: Phase) {
+        self.observer.phase(phase);
+    }
+
+    fn should_stop(&mut self) -> bool {
+        self.work += 1;
+        self.observer.should_stop()
+    }
+}
+
 /// An observer of trials within a phase: their own phases are none of the run's.
 pub struct Quiet<'a>(pub &'a mut dyn Observer);
 

@@ -29,6 +29,18 @@ pub struct PoseSample {
     pub covariance: Option<Covariance>,
     /// How far its true time may be from its stamp, where that is not known.
     pub open: Option<OpenTime>,
+    /// Who says it.
+    pub from: SampleSource,
+}
+
+/// Who says where a body is: of a keyframe no tracker can be mounted wrongly.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SampleSource {
+    /// A tracker on the body.
+    #[default]
+    Tracker,
+    /// Somebody who wrote down the pose of the body itself.
+    Keyframe,
 }
 
 /// How far the true time of a reading may be from its stamp, which then only says where among
@@ -102,6 +114,7 @@ impl PoseSample {
             holds: Holds::Pose,
             covariance: None,
             open: None,
+            from: SampleSource::default(),
         }
     }
 

@@ -97,7 +97,7 @@ fn bar(name: &str, of: &Parameter) -> String {
     let at = |value: f64| 4.0 + 162.0 * ((value - from) / (to - from)).clamp(0.0, 1.0);
     let [left, middle, right] = [value - half, value, value + half].map(at);
     let label = format!(
-        "{name}: {:.4} {unit}, ± {:.4} {unit}, drawn from {:.4} to {:.4}",
+        "{name}: {:.4} {unit}, 95 % within {:.4} {unit}, drawn from {:.4} to {:.4}",
         value * factor,
         half * factor,
         from * factor,

@@ -6,6 +6,7 @@
 //! believed only if it explains: with it there is a motion against which nothing speaks, several
 //! times as near to the samples as without. Where none does, nothing is said.
 
+mod budget;
 mod facts;
 mod fall;
 mod frames;
@@ -14,19 +15,19 @@ mod mount;
 mod quaternions;
 mod remedied;
 mod times;
+mod turned;
 mod units;
 mod world;
 
 use nalgebra::Vector3;
 
+use self::budget::Budget;
 use self::facts::Facts;
 use self::fall::falls;
 use self::motion::{Motion, as_delivered, flights_by_stamps, misfit};
 use self::remedied::remedied;
 use super::outcome::Outcome;
-use crate::motion::{
-    About, Diagnosis, Observer, Phase, Quiet, Remedy, Scene, TakeEvent, Timing, Verdict,
-};
+use crate::motion::{About, Diagnosis, Observer, Phase, Remedy, Scene, TakeEvent, Timing, Verdict};
 use crate::physics::contact;
 
 /// Greatest distance from the samples in the scene's weights of a motion that is not looked into: a hand
@@ -44,22 +45,24 @@ const ALL: f64 = 1.3;
 /// Least and greatest step of a remedy's value \[m\].
 const LEAST_STEP_M: f64 = 1e-3;
 const FARTHEST_M: f64 = 0.3;
+/// How much farther from its samples a motion may be at first where a turn is known roughly.
+const ABOUT: f64 = 3.0;
 /// Rounds in which a mount is fitted again.
 const ROUNDS: usize = 3;
 
 /// Likely mistakes about a take, that which explains most first; `outcome` is what is estimated as
-/// things are said.
+/// things are said, and took so much work.
 pub(super) fn diagnose(
     scene: &Scene,
     events: &[TakeEvent],
-    outcome: Option<&Outcome>,
+    (outcome, work): (Option<&Outcome>, usize),
     observer: &mut dyn Observer,
 ) -> Vec<Diagnosis> {
     if outcome.is_some_and(|outcome| is_well(outcome, NEAR)) || observer.should_stop() {
         return Vec::new();
     }
     observer.phase(Phase::Diagnose);
-    let mut observer = Quiet(observer);
+    let mut budget = Budget::beside(work, (scene, events), observer);
     let motion = outcome
         .filter(|outcome| is_motion(outcome))
         .map(|outcome| Motion {
@@ -69,8 +72,9 @@ pub(super) fn diagnose(
             is_credible: false,
             alone: 0.0,
         });
+    let seen = flights_by_stamps(scene, events, &mut budget);
     let flights = match (&motion, scene.timing) {
-        (_, Timing::Known | Timing::Edited) => flights_by_stamps(scene, events, &mut observer),
+        (_, Timing::Known | Timing::Edited) => seen.clone(),
         (Some(motion), Timing::Unknown { .. }) => motion.flights(),
         (None, Timing::Unknown { .. }) => Vec::new(),
     };
@@ -79,20 +83,22 @@ pub(super) fn diagnose(
         events,
         falls: falls(scene, events),
         flights,
+        seen,
     };
     let without = motion.as_ref().map(Motion::distance);
     let most = without.map_or(f64::INFINITY, |without| misfit(scene, &without) / GAIN);
     let mut found: Vec<(f64, Diagnosis)> = Vec::new();
     let remedies = if outcome.is_some_and(|outcome| is_well(outcome, FAR)) {
-        mount::remedies(&facts)
+        let turned = mount::turned(&facts);
+        mount::remedies(&facts).into_iter().chain(turned).collect()
     } else {
         remedies(&facts)
     };
     for remedy in remedies {
-        if observer.should_stop() {
+        if budget.is_over() {
             break;
         }
-        let Some((remedy, with)) = best(remedy, &facts, most, &mut observer) else {
+        let Some((remedy, with)) = best(remedy, &facts, most, &mut budget) else {
             continue;
         };
         let distance = with.distance();
@@ -105,6 +111,7 @@ pub(super) fn diagnose(
             left,
             Diagnosis {
                 remedy,
+                source: facts.source(),
                 without,
                 with: distance,
             },
@@ -153,26 +160,24 @@ fn remedies(facts: &Facts) -> Vec<Remedy> {
     remedies.extend(world::remedies(facts));
     remedies.extend(quaternions::remedies(facts));
     remedies.extend(mount::remedies(facts));
+    remedies.extend(mount::turned(facts));
     let all = remedies.iter().enumerate();
     let first = all.filter(|(index, remedy)| !remedies[..*index].contains(remedy));
     first.map(|(_, remedy)| remedy.clone()).collect()
 }
 
 /// A remedy with its best value, and the motion with it.
-fn best(
-    remedy: Remedy,
-    facts: &Facts,
-    most: f64,
-    observer: &mut dyn Observer,
-) -> Option<(Remedy, Motion)> {
-    // Lengths in another unit are compared as they came.
+fn best(remedy: Remedy, facts: &Facts, most: f64, budget: &mut Budget) -> Option<(Remedy, Motion)> {
     let farthest = match remedy {
+        // Lengths in another unit are compared as they came.
         Remedy::PositionUnit(_) => EXPLAINED,
+        // A turn that is known roughly comes nearer as it is fitted.
+        Remedy::Mount { slip, .. } if slip.is_turned() => ABOUT * EXPLAINED,
         _ => most.min(EXPLAINED),
     };
     let mut tried = |remedy: Remedy| {
         let (scene, events) = remedied(&remedy, facts.scene, facts.events)?;
-        let motion = Motion::of(&scene, &events, farthest, observer)?;
+        let motion = Motion::of(&scene, &events, farthest, budget)?;
         Some((remedy, motion))
     };
     let mut best = tried(remedy)?;
@@ -216,14 +221,26 @@ fn best(
 
 /// A mount fitted again, at the times of the last motion.
 fn fitted((remedy, motion): &(Remedy, Motion)) -> Option<Remedy> {
-    match remedy {
-        Remedy::Mount { track, slip, .. } if slip.is_fitted() => Some(Remedy::Mount {
-            track: *track,
-            link_from_tracker: mount::fitted(&motion.scene, &motion.flights(), *track)?,
-            slip: *slip,
-        }),
-        _ => None,
+    let Remedy::Mount { track, slip, .. } = remedy else {
+        return None;
+    };
+    let mut scene = motion.scene.clone();
+    if slip.is_turned() {
+        scene.tracks[*track].link_from_tracker = mount::aligned(motion, *track)?;
     }
+    let offset = slip
+        .is_fitted()
+        .then(|| mount::fitted(&scene, &motion.flights(), *track));
+    let link_from_tracker = match offset.flatten() {
+        Some(pose) => pose,
+        None if slip.is_turned() => scene.tracks[*track].link_from_tracker,
+        None => return None,
+    };
+    Some(Remedy::Mount {
+        track: *track,
+        link_from_tracker,
+        slip: *slip,
+    })
 }
 
 /// Directions in which a remedy's value is still to be found: what impacts show and flights do not.
@@ -234,7 +251,7 @@ fn directions((remedy, motion): &(Remedy, Motion)) -> Vec<Vector3<f64>> {
             _ => Vec::new(),
         },
         Remedy::Origin { higher_m } => higher_m.try_normalize(0.0).into_iter().collect(),
-        Remedy::Mount { track, slip, .. } if slip.is_fitted() => {
+        Remedy::Mount { track, slip, .. } if slip.is_fitted() && !slip.is_turned() => {
             mount::unseen(&motion.scene, &motion.flights(), *track)
         }
         _ => Vec::new(),

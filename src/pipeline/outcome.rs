@@ -13,7 +13,7 @@ use crate::motion::{
 };
 use crate::segment::SegmentError;
 use crate::settle::settle_until;
-use crate::verify::lies;
+use crate::verify::{lies, overlap_begins_s};
 
 /// The result of a take.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,6 +107,17 @@ impl Outcome {
             if let Some(settled) = &mut self.settled {
                 settled.is_predicted = is_predicted;
             }
+        }
+    }
+
+    /// Ends the motion where it begins to go into something. A prediction is of a flight that ends with a mark, which is
+    /// no time of a touch: what was seen until then may go on past it.
+    pub(super) fn end_where_it_touches(&mut self) {
+        // Of a failed estimate not even times need be finite.
+        if self.estimate.verdict != Verdict::Failed
+            && let Some(end_s) = overlap_begins_s(&self.scene, &self.estimate)
+        {
+            self.estimate.end_at(end_s);
         }
     }
 

@@ -1,11 +1,14 @@
 //! From the events of a take to a motion without deviations and checks: stages 2 to 4.
 
+use nalgebra::UnitQuaternion;
+
 use super::follow::follow;
 use super::infer::Inferred;
 use super::outcome::{Outcome, PipelineError};
 use super::stages::{Cut, account, cut, solve};
 use crate::motion::{
-    Observer, Phase, Sample, SampleCounts, Scene, Segment, Sketch, TakeEvent, TrackIndex,
+    GoalTarget, Observer, Phase, Sample, SampleCounts, Scene, Segment, Sketch, TakeEvent,
+    TrackIndex,
 };
 use crate::{estimate, initialise, segment};
 
@@ -85,10 +88,24 @@ impl Prepared {
         (2.0 * cost / samples.max(1) as f64).sqrt()
     }
 
-    /// Tracks and samples of the flights.
-    pub(super) fn flights(&self) -> impl Iterator<Item = (TrackIndex, &[Sample])> {
-        let views = self.cut.segments.iter().flat_map(|segment| &segment.views);
-        views.map(|view| (view.track, self.sketch.samples_of(view)))
+    /// What is seen of the flights, and the events at which they end.
+    pub(super) fn flights(&self) -> impl Iterator<Item = (TrackIndex, &[Sample], Option<usize>)> {
+        let segments = self.cut.segments.iter();
+        segments.flat_map(|segment| {
+            let views = segment.views.iter();
+            views.map(|view| (view.track, self.sketch.samples_of(view), segment.end_event))
+        })
+    }
+
+    /// The orientation that the scene asks of what a track sees at an event.
+    pub(super) fn asked(&self, track: TrackIndex, event: usize) -> Option<UnitQuaternion<f64>> {
+        let link = self.scene.tracks[track].link;
+        self.scene.goals.iter().find_map(|goal| match goal.target {
+            GoalTarget::Pose { world_from_body } if (goal.event, goal.link) == (event, link) => {
+                Some(world_from_body.rotation)
+            }
+            _ => None,
+        })
     }
 
     /// The motion.

@@ -1,7 +1,8 @@
 //! Goals at rest: a motion whose continuation comes to rest as the scene asks.
 //!
 //! Where the motion that fits best does not, labels that are free are turned ([`labels`]); else the
-//! nearest motion that does is searched for ([`search`]).
+//! nearest motion that does is searched for ([`search`]). Where none is found, labels that are not free are turned
+//! too, and that is offered.
 
 mod labels;
 mod search;
@@ -12,16 +13,22 @@ use self::labels::{relabelled, turns};
 use self::search::search;
 use super::perform::{Performed, Prepared};
 use crate::motion::{
-    Lie, Observer, Phase, Quiet, RestGoal, RestWork, Scene, Settled, TakeEvent, Verdict,
+    Diagnosis, Distance, Lie, Observer, Phase, Quiet, Remedy, RestGoal, RestWork, SampleSource,
+    Scene, Settled, TakeEvent, Verdict,
 };
 use crate::settle::settle_until;
 use crate::verify::{is_met, lies};
+
+/// Turns of labels goal by goal; `None` where they stay as acted.
+type Turns = Vec<Option<UnitQuaternion<f64>>>;
 
 /// What was done for the goals at rest.
 pub(super) struct Sought {
     pub(super) work: RestWork,
     /// See [`Rest::labels`](crate::motion::Rest::labels).
     pub(super) labels: Vec<Option<UnitQuaternion<f64>>>,
+    /// Goals whose labels, were they free, would let it end right.
+    pub(super) offered: Vec<Diagnosis>,
 }
 
 /// Replaces the motion by one that comes to rest as the scene asks, where its own does not and
@@ -45,6 +52,7 @@ pub(super) fn seek(
             best_objective: estimate.objective,
         },
         labels: vec![None; scene.rest_goals.len()],
+        offered: Vec::new(),
     };
     let settled = settle_until(&scene.as_estimated(estimate), estimate, limit_s, observer);
     if settled
@@ -53,36 +61,75 @@ pub(super) fn seek(
     {
         return Some(sought);
     }
-    for choice in choices(scene, settled.as_ref()?) {
-        if observer.should_stop() {
-            break;
-        }
-        let again = turned(scene, &choice)
-            .and_then(|scene| Prepared::new(&scene, events, &mut Quiet(observer)).ok())
-            .and_then(|prepared| prepared.performed(&mut Quiet(observer)).ok());
-        let Some(again) = again else { continue };
-        let (scene, estimate) = (&again.inferred.scene, &again.inferred.solved.estimate);
-        sought.work.motions += 1;
-        sought.work.continuations += 1;
-        let settled = settle_until(&scene.as_estimated(estimate), estimate, limit_s, observer);
-        if settled
-            .as_ref()
-            .is_some_and(|settled| is_met(scene, settled))
-        {
-            sought.labels = choice;
-            *take = again;
-            return Some(sought);
-        }
+    let settled = settled?;
+    let (scene, work) = (scene.clone(), &mut sought.work);
+    let free = choices(&scene, &settled, |goal| goal.labels_are_free);
+    if let Some((choice, again)) = relabelled_take(&scene, events, free, work, observer) {
+        sought.labels = choice;
+        *take = again;
+        return Some(sought);
     }
-    if let Some(found) = search(take, limit_s, &mut sought.work, &mut Quiet(observer)) {
-        take.inferred.solved = found;
+    match search(take, limit_s, work, &mut Quiet(observer)) {
+        Some(found) => take.inferred.solved = found,
+        None => sought.offered = offered(&scene, events, &settled, work, observer),
     }
     Some(sought)
 }
 
+/// The first choice of turned labels with which the take ends right, and its motion then; adds to the work.
+fn relabelled_take(
+    scene: &Scene,
+    events: &[TakeEvent],
+    choices: Vec<Turns>,
+    work: &mut RestWork,
+    observer: &mut dyn Observer,
+) -> Option<(Turns, Performed)> {
+    let limit_s = scene.settle_s?;
+    choices.into_iter().find_map(|choice| {
+        if observer.should_stop() {
+            return None;
+        }
+        let scene = turned(scene, &choice)?;
+        let prepared = Prepared::new(&scene, events, &mut Quiet(observer)).ok()?;
+        let again = prepared.performed(&mut Quiet(observer)).ok()?;
+        let (scene, estimate) = (&again.inferred.scene, &again.inferred.solved.estimate);
+        work.motions += 1;
+        work.continuations += 1;
+        let settled = settle_until(&scene.as_estimated(estimate), estimate, limit_s, observer)?;
+        is_met(scene, &settled).then_some((choice, again))
+    })
+}
+
+/// The goals whose labels, were they free, would let the take end right; none where that helps nothing.
+fn offered(
+    scene: &Scene,
+    events: &[TakeEvent],
+    settled: &Settled,
+    work: &mut RestWork,
+    observer: &mut dyn Observer,
+) -> Vec<Diagnosis> {
+    let all = choices(scene, settled, |_| true);
+    let Some((choice, again)) = relabelled_take(scene, events, all, work, observer) else {
+        return Vec::new();
+    };
+    let (position_m, orientation_rad) = again.inferred.solved.estimate.residual_rms();
+    let turned = scene.rest_goals.iter().zip(&choice).enumerate();
+    let turned = turned.filter(|(_, (goal, turn))| turn.is_some() && !goal.labels_are_free);
+    let offered = turned.map(|(goal, _)| Diagnosis {
+        remedy: Remedy::FreeLabels { goal },
+        source: SampleSource::Tracker,
+        without: None,
+        with: Distance {
+            position_m,
+            orientation_rad,
+        },
+    });
+    offered.collect()
+}
+
 /// Turns of the labels, goal by goal, with which the motion would end right: none where a goal is
-/// missed whose labels are not free.
-fn choices(scene: &Scene, settled: &Settled) -> Vec<Vec<Option<UnitQuaternion<f64>>>> {
+/// missed whose labels may not be turned.
+fn choices(scene: &Scene, settled: &Settled, may_turn: impl Fn(&RestGoal) -> bool) -> Vec<Turns> {
     let lies = lies(scene, settled);
     let goals = scene.rest_goals.iter().zip(&lies);
     let of_goal = |(goal, lie): (&RestGoal, &Lie)| {
@@ -97,14 +144,14 @@ fn choices(scene: &Scene, settled: &Settled) -> Vec<Vec<Option<UnitQuaternion<f6
             })
         };
         let link = &scene.links[goal.link];
-        let free = if goal.labels_are_free {
+        let free = if may_turn(goal) {
             turns(link)
         } else {
             Vec::new()
         };
         free.into_iter().filter(shows).map(Some).collect()
     };
-    let each: Vec<Vec<Option<UnitQuaternion<f64>>>> = goals.map(of_goal).collect();
+    let each: Vec<Turns> = goals.map(of_goal).collect();
     let most = each.iter().map(Vec::len).max().unwrap_or(0);
     if each.iter().any(Vec::is_empty) {
         return Vec::new();

@@ -6,7 +6,8 @@ use nalgebra::Vector3;
 use serde::Serialize;
 
 use crate::motion::{
-    Diagnosis, Distance, LengthUnit, MountSlip, QuaternionSlip, Remedy, Scene, SignedAxis,
+    Diagnosis, Distance, LengthUnit, MountSlip, QuaternionSlip, Remedy, SampleSource, Scene,
+    SignedAxis,
 };
 
 /// One likely mistake.
@@ -31,8 +32,8 @@ impl DiagnosisLine {
         let gain = gain(diagnosis.without, diagnosis.with);
         Self {
             cause: cause(remedy),
-            key: key(remedy),
-            sentence: format!("{}; {gain}", advice(scene, remedy, &value)),
+            key: key(remedy, diagnosis.source),
+            sentence: format!("{}; {gain}", advice(scene, diagnosis, &value)),
             value,
         }
     }
@@ -53,6 +54,8 @@ fn cause(remedy: &Remedy) -> &'static str {
             MountSlip::Missing => "tracker_missing",
             MountSlip::Offset => "tracker_offset",
             MountSlip::Quaternion => "tracker_quaternion",
+            MountSlip::Turned => "tracker_turned",
+            MountSlip::Elsewhere => "tracker_elsewhere",
         },
         Remedy::StreamQuaternions(QuaternionSlip::Inverse) => "stream_inverse",
         Remedy::StreamQuaternions(_) => "stream_quaternion",
@@ -60,26 +63,34 @@ fn cause(remedy: &Remedy) -> &'static str {
         Remedy::GoalQuaternions(_) => "goal_quaternion",
         Remedy::Surface { .. } => "surface_height",
         Remedy::Origin { .. } => "origin",
+        Remedy::FreeLabels { .. } => "goal_labels",
     }
 }
 
-fn key(remedy: &Remedy) -> &'static str {
+fn key(remedy: &Remedy, source: SampleSource) -> &'static str {
+    let of_source = |stream, keyframe| match source {
+        SampleSource::Tracker => stream,
+        SampleSource::Keyframe => keyframe,
+    };
     match remedy {
         Remedy::Up { .. } | Remedy::Gravity { .. } => "gravity_m_s2",
-        Remedy::PositionUnit(_) => "stream.position",
+        Remedy::PositionUnit(_) => of_source("stream.position", "keyframe.position"),
         Remedy::SceneUnit(_) => "*_mm",
-        Remedy::StampUnit { .. } | Remedy::FrameNumbers { .. } => "stream.stamp",
+        Remedy::StampUnit { .. } | Remedy::FrameNumbers { .. } => {
+            of_source("stream.stamp", "keyframe.time")
+        }
         Remedy::Tempo { .. } => "timing.stamps",
         Remedy::Mount { slip, .. } => match slip {
             MountSlip::Negated | MountSlip::Missing | MountSlip::Offset => {
                 "body.tracker.position_mm"
             }
-            MountSlip::Inverted => "body.tracker",
-            MountSlip::Quaternion => "body.tracker.orientation_wxyz",
+            MountSlip::Inverted | MountSlip::Elsewhere => "body.tracker",
+            MountSlip::Quaternion | MountSlip::Turned => "body.tracker.orientation_wxyz",
         },
         Remedy::StreamQuaternions(_) => "stream.orientation",
         Remedy::GoalQuaternions(_) => "goal.orientation_wxyz",
         Remedy::Surface { .. } | Remedy::Origin { .. } => "surface.point_mm",
+        Remedy::FreeLabels { .. } => "goal.labels",
     }
 }
 
@@ -98,17 +109,16 @@ fn value(scene: &Scene, remedy: &Remedy) -> String {
             link_from_tracker,
             slip,
         } => {
-            let link_from_given = scene.link_seen_by(*track).link_from_given;
-            let given_from_tracker = link_from_given.inverse() * link_from_tracker;
+            let given_from_tracker = scene.link_seen_by(*track).given_from(link_from_tracker);
             let offset_mm = tenths(&(given_from_tracker.translation.vector * 1e3));
             let q = given_from_tracker.rotation.quaternion();
             let wxyz = array(&[q.w, q.i, q.j, q.k]);
             match slip {
                 MountSlip::Negated | MountSlip::Missing | MountSlip::Offset => offset_mm,
-                MountSlip::Inverted => {
+                MountSlip::Inverted | MountSlip::Elsewhere => {
                     format!("{{ position_mm = {offset_mm}, orientation_wxyz = {wxyz} }}")
                 }
-                MountSlip::Quaternion => wxyz,
+                MountSlip::Quaternion | MountSlip::Turned => wxyz,
             }
         }
         Remedy::StreamQuaternions(slip) => match slip {
@@ -120,18 +130,24 @@ fn value(scene: &Scene, remedy: &Remedy) -> String {
             QuaternionSlip::ScalarFirst | QuaternionSlip::ScalarLast => "[w, x, y, z]".to_owned(),
         },
         Remedy::Surface { point_m, .. } => tenths(&(point_m * 1e3)),
+        Remedy::FreeLabels { .. } => "\"free\"".to_owned(),
         Remedy::Origin { higher_m } => format!("+ {}", tenths(&(higher_m * 1e3))),
     }
 }
 
 /// What is likely wrong and what to change.
-fn advice(scene: &Scene, remedy: &Remedy, value: &str) -> String {
-    match remedy {
+fn advice(scene: &Scene, of: &Diagnosis, value: &str) -> String {
+    let is_keyframes = of.source == SampleSource::Keyframe;
+    match &of.remedy {
         Remedy::Up { axis, .. } => {
             let (up, down) = (Signed(*axis), Signed(axis.opposite()));
+            let [who, what, axes] = match is_keyframes {
+                true => ["the sketch", "keyframes", "axes of the sketch"],
+                false => ["the tracker", "stream", "tracker's axes"],
+            };
             format!(
-                "the motion falls along {down}: is the tracker {up}-up? Turn the stream, or set \
-                 `gravity_m_s2 = {value}` and give surfaces, obstacles and goals in the tracker's axes"
+                "the motion falls along {down}: is {who} {up}-up? Turn the {what}, or set \
+                 `gravity_m_s2 = {value}` and give surfaces, obstacles and goals in the {axes}"
             )
         }
         Remedy::Gravity { gravity_m_s2 } => {
@@ -161,8 +177,13 @@ fn advice(scene: &Scene, remedy: &Remedy, value: &str) -> String {
             let pace = Plain(pace.round());
             let side = if *factor > 1.0 { "long" } else { "short" };
             format!(
-                "the motion takes {pace} times too {side}: are the stamps in another unit? Expected \
-                 nanoseconds or seconds as the message type says, so {change}"
+                "the motion takes {pace} times too {side}: are the {} in another unit? Expected \
+                 {}, so {change}",
+                if is_keyframes { "times" } else { "stamps" },
+                match is_keyframes {
+                    true => "seconds, or milliseconds in `t_ms`",
+                    false => "nanoseconds or seconds as the message type says",
+                }
             )
         }
         Remedy::FrameNumbers { rate_hz } => format!(
@@ -185,13 +206,21 @@ fn advice(scene: &Scene, remedy: &Remedy, value: &str) -> String {
                      the body's",
                     "",
                 ),
+                MountSlip::Turned => (
+                    "the tracker's axes are turned otherwise",
+                    "orientation_wxyz = ",
+                ),
+                MountSlip::Elsewhere => (
+                    "the tracker is elsewhere on the body, and its axes are turned otherwise",
+                    "",
+                ),
                 MountSlip::Quaternion => (
                     "the tracker's orientation is in the order x, y, z, w",
                     "orientation_wxyz = ",
                 ),
             };
             let set = match slip {
-                MountSlip::Inverted => format!("`tracker = {value}`"),
+                MountSlip::Inverted | MountSlip::Elsewhere => format!("`tracker = {value}`"),
                 _ => format!("`tracker = {{ {key}{value}, … }}`"),
             };
             format!("on `{body}` it seems that {wrong}: set {set}")
@@ -228,12 +257,21 @@ fn advice(scene: &Scene, remedy: &Remedy, value: &str) -> String {
                 "the bounces are {height_mm:.0} mm {side} `{name}`: set `surface.point_mm = {value}` there"
             )
         }
+        Remedy::FreeLabels { goal } => {
+            let goal = &scene.rest_goals[*goal];
+            format!(
+                "with the labels of `{}` turned it shows {}: it moves the same whatever its sides are called, so set \
+                 `labels = {value}` in its goal at rest",
+                scene.links[goal.link].name, goal.name
+            )
+        }
         Remedy::Origin { higher_m } => {
             let up = -scene.gravity_m_s2;
             let (height_mm, side) = height(higher_m.norm() * higher_m.dot(&up).signum());
             format!(
-                "the motion is {height_mm:.0} mm {side} where the scene is: has the tracker another zero? Add \
+                "the motion is {height_mm:.0} mm {side} where the scene is: {} another zero? Add \
                  {} to `surface.point_mm`, and to `position_mm` of obstacles and goals",
+                if is_keyframes { "have the keyframes" } else { "has the tracker" },
                 tenths(&(higher_m * 1e3))
             )
         }

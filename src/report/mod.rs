@@ -28,6 +28,7 @@ pub mod recording;
 pub mod reported;
 pub mod rest;
 pub mod samples;
+pub mod spent;
 pub mod spread;
 pub mod suspects;
 #[cfg(test)]
@@ -51,6 +52,7 @@ pub use recording::{Circumstances, RecordingReport};
 pub use reported::Reported;
 pub use rest::{LieLine, RestLine};
 pub use samples::{CounterLine, Ordered, SampleLine, SettledLine};
+pub use spent::Spent;
 pub use spread::{BodySpreadLine, SpreadLine, UpLine};
 pub use suspects::SuspectLine;
 pub use time_map::{TIME_MAP_SCHEMA, Time, TimeMapMessage};

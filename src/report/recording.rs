@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::estimate::EstimateReport;
 use super::reported::Reported;
 use super::samples::Ordered;
+use super::spent::Spent;
 use crate::motion::Phase;
 
 /// A finished recording.
@@ -17,6 +18,8 @@ pub struct RecordingReport {
     pub estimate: EstimateReport,
     /// Wall time of the estimation, without checks and settling.
     pub solve_seconds: f64,
+    /// Wall time of all that was done of the recording, in order: reading, solving and so on.
+    pub spent_seconds: Ordered<f64>,
     /// Wall time of the pipeline by phase, in order.
     pub phase_seconds: Ordered<f64>,
     /// Whether it was ended before all was tried, by its deadline.
@@ -36,8 +39,8 @@ pub struct Circumstances {
     pub recording: String,
     /// The file that was written.
     pub output: String,
-    /// Wall time of the estimation, without checks and settling.
-    pub solve_seconds: f64,
+    /// Wall time of all that was done of the recording.
+    pub spent: Spent,
     /// Wall time of the pipeline by phase, in order.
     pub phase_seconds: Vec<(Phase, f64)>,
     /// Whether it was ended before all was tried, by its deadline.
@@ -56,7 +59,8 @@ impl RecordingReport {
         Self {
             recording: circumstances.recording,
             estimate: EstimateReport::new(of),
-            solve_seconds: circumstances.solve_seconds,
+            solve_seconds: circumstances.spent.solving(),
+            spent_seconds: Ordered(circumstances.spent.parts()),
             phase_seconds: Ordered(phases.collect()),
             ended_early: circumstances.ended_early,
             lost: circumstances.lost,

@@ -24,7 +24,7 @@ fn the_reports_of_a_file_and_of_a_recording_say_the_same_of_the_estimate() {
     let circumstances = Circumstances {
         recording: "in.mcap".to_owned(),
         output: "out.mcap".to_owned(),
-        solve_seconds: 0.1,
+        spent: Spent::of(0.1, &[]),
         phase_seconds: Vec::new(),
         ended_early: false,
         lost: Vec::new(),

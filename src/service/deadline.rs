@@ -58,6 +58,11 @@ impl Deadline {
         self.begun.checked_add(self.limit?)
     }
 
+    /// How long the job has taken so far.
+    pub(super) fn elapsed(&self) -> Duration {
+        self.begun.elapsed()
+    }
+
     /// Whether it is over.
     pub(super) fn is_over(&self) -> bool {
         let is_late = |limit| self.begun.elapsed() >= limit;

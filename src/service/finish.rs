@@ -2,9 +2,11 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use anyhow::{Context, bail};
 
+use super::as_read::AsRead;
 use super::deadline::Deadline;
 use super::provenance::provenance;
 use super::refusal::Refusal;
@@ -12,15 +14,15 @@ use super::stopwatch::Stopwatch;
 use super::working::Working;
 use crate::config::scene_from_toml;
 use crate::ingest::{Recording, SCENE_NAME, TakeReport, is_pipe, listed, read_text};
-use crate::motion::{Phase, Scene};
+use crate::motion::Scene;
 use crate::pipeline::{Outcome, Pipeline};
-use crate::report::{Circumstances, RecordingReport, Reported};
+use crate::report::{Circumstances, RecordingReport, Reported, Spent};
 use crate::write::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, write_estimate};
 
 /// A recording and the scene with which it is read.
 pub(super) struct Opened {
     pub(super) recording: Recording,
-    pub(super) scene: Scene,
+    pub(super) scene: AsRead,
     /// The text of the scene, unchanged.
     pub(super) scene_toml: Vec<u8>,
     /// The file of the scene; none: it is attached to the recording.
@@ -84,7 +86,7 @@ pub(super) fn opened(
     };
     Ok(Opened {
         recording,
-        scene,
+        scene: AsRead::of(scene),
         scene_toml,
         scene_file: scene_file.map(Path::to_owned),
         deadline,
@@ -153,23 +155,21 @@ pub(super) fn finished(
 ) -> anyhow::Result<(RecordingReport, Outcome)> {
     let recording = &opened.recording;
     opened.deadline.check(recording.path())?;
+    let reading_seconds = opened.deadline.elapsed().as_secs_f64();
     let deadline = opened.deadline.with_time_to_write();
     let mut stopwatch = Stopwatch::start(deadline, working);
-    let outcome = pipeline
-        .finish(&mut stopwatch)
-        .map_err(|error| Refusal::new(pipeline, error))
-        .with_context(|| recording.path().display().to_string())?;
+    let outcome = match pipeline.finish(&mut stopwatch) {
+        Ok(outcome) => outcome,
+        Err(error) => {
+            let refusal = Refusal::new(pipeline, error, &mut stopwatch);
+            return Err(refusal).with_context(|| recording.path().display().to_string());
+        }
+    };
     if opened.deadline.is_told() {
         opened.deadline.check(recording.path())?;
     }
     let ended_early = stopwatch.has_ended_it();
     let (whole_seconds, phase_seconds) = stopwatch.stop();
-    let is_after = |phase: &Phase| {
-        use Phase::{Adequacy, Diagnose, Rest, Settle, Verify};
-        matches!(phase, Adequacy | Verify | Diagnose | Settle | Rest)
-    };
-    let after = phase_seconds.iter().filter(|(phase, _)| is_after(phase));
-    let solve_seconds = whole_seconds - after.map(|(_, seconds)| seconds).sum::<f64>();
     tracing::info!(
         recording = %recording.path().display(),
         verdict = outcome.estimate.verdict.as_str(),
@@ -179,6 +179,7 @@ pub(super) fn finished(
     working.now("writing");
     let scene_file = opened.scene_file.as_deref();
     let made_of: Vec<&Path> = [recording.path()].into_iter().chain(scene_file).collect();
+    let writing = Instant::now();
     let written = write_estimate(
         output,
         &EstimateFile {
@@ -206,11 +207,12 @@ pub(super) fn finished(
     let circumstances = Circumstances {
         recording: recording.path().display().to_string(),
         output: output.display().to_string(),
-        solve_seconds,
+        spent: Spent::of(whole_seconds, &phase_seconds)
+            .with_files(reading_seconds, writing.elapsed().as_secs_f64()),
         phase_seconds,
         ended_early,
         lost,
-        warnings: [warnings(take), mark_notes(&opened.scene, &outcome)].concat(),
+        warnings: [warnings(take), mark_notes(&outcome)].concat(),
     };
     let report = RecordingReport::new(&reported(&outcome), circumstances);
     Ok((report, outcome))
@@ -288,13 +290,13 @@ pub(super) fn warnings(take: &TakeReport) -> Vec<String> {
     warnings
 }
 
-/// Notes on marks that are not the performer's.
-fn mark_notes(scene: &Scene, outcome: &Outcome) -> Vec<String> {
+/// Notes on marks that are not the performer's; their events are those of the scene that was estimated.
+fn mark_notes(outcome: &Outcome) -> Vec<String> {
     let changes = &outcome.counts.marks;
     let placed = |events: &[usize]| {
         let placed = events.iter().map(|event| {
             let acted_s = outcome.sketch.marks_s[*event];
-            format!("{:?} at {acted_s:.3} s", scene.events[*event].name)
+            format!("{:?} at {acted_s:.3} s", outcome.scene.events[*event].name)
         });
         placed.collect::<Vec<_>>().join(", ")
     };

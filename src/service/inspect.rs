@@ -119,7 +119,7 @@ pub fn inspect(
     let (recording, scene) = match scene_file {
         Some(_) => {
             let opened = opened(recording, scene_file, deadline)?;
-            (opened.recording, Ok(opened.scene))
+            (opened.recording, Ok(opened.scene.for_reading().clone()))
         }
         None => {
             let scene = attached_scene(&recording);

@@ -18,7 +18,7 @@ use super::inspect::{MarkLine, mark_line};
 use super::working::Working;
 use crate::ingest::Take;
 use crate::motion::{Mark, Stamp, TakeEvent};
-use crate::pipeline::{MarkProposal, Pipeline};
+use crate::pipeline::MarkProposal;
 use crate::write::write_marks;
 
 /// The input of [`mark`].
@@ -96,7 +96,7 @@ pub fn mark(job: &MarkJob) -> anyhow::Result<Marked> {
 
 fn marked(job: &MarkJob, opened: Opened) -> anyhow::Result<Marked> {
     let path = opened.recording.path().display().to_string();
-    let take = opened.recording.take(&opened.scene)?;
+    let take = opened.recording.take(opened.scene.for_reading())?;
     let first = first_stamp(&take).with_context(|| format!("{path}: no poses, expected some"))?;
     let edited = edited(
         present(&opened)?,
@@ -112,11 +112,11 @@ fn marked(job: &MarkJob, opened: Opened) -> anyhow::Result<Marked> {
     if let Some(output) = &job.output {
         write(job, output, (&opened, &take), &edited, &proposals)?;
     }
-    let scene = &opened.scene;
+    let scene = opened.scene.for_reading();
     let lines = proposals.iter().map(|proposal| ProposalLine {
         time_s: proposal.time_s,
         stamp_ns: proposal.stamp.0,
-        event: proposal.event.map(|event| scene.events[event].name.clone()),
+        event: proposal.event.clone(),
         body: proposal
             .track
             .map(|track| scene.link_seen_by(track).name.clone()),
@@ -170,19 +170,18 @@ fn proposed(
     take: &Take,
     path: &str,
 ) -> anyhow::Result<Vec<MarkProposal>> {
-    let pipeline = Pipeline::of(opened.scene.clone(), take.events.clone());
+    let pipeline = opened.scene.pipeline(take.events.clone());
     let proposals = pipeline
         .propose(job.count)
         .with_context(|| path.to_owned())?;
     let found = proposals.iter().filter(|p| p.track.is_some()).count();
-    let collisions = opened
-        .scene
-        .events
-        .iter()
-        .filter(|e| e.kind.collision().is_some());
+    // A repeated collision is as many as are looked for.
+    let scene = pipeline.scene().with_marks(pipeline.marks());
+    let collisions = scene.events.iter();
+    let collisions = collisions.filter(|event| event.kind.collision().is_some());
     let wanted = job
         .count
-        .map_or(collisions.count(), |n| n * opened.scene.links.len());
+        .map_or(collisions.count(), |n| n * scene.links.len());
     if found < wanted {
         bail!("{path}: the streams are too short for {wanted} collisions, or they are too many");
     }
@@ -210,17 +209,17 @@ fn write(
     }
     let offset_ns = take.report.log_offset_ns.unwrap_or(0);
     let proposed = proposals.iter().map(|proposal| {
-        let event = proposal
-            .event
-            .map(|event| opened.scene.events[event].name.clone());
         let mark = Mark {
             stamp: proposal.stamp,
-            event,
+            event: proposal.event.clone(),
         };
         (Stamp(proposal.stamp.0.saturating_add(offset_ns)), mark)
     });
     let marks: Vec<(Stamp, Mark)> = edited.added().chain(proposed).collect();
-    let (container, topic) = (opened.recording.container(), &opened.scene.marks_topic);
+    let (container, topic) = (
+        opened.recording.container(),
+        &opened.scene.for_reading().marks_topic,
+    );
     let without = edited.without.clone();
     write_marks(output, container, &job.input, topic, &marks, without)?;
     Ok(())

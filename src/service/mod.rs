@@ -7,6 +7,7 @@
 //! This room has the clock, the files and the threads. Results come back as a
 //! [`RecordingReport`](crate::report::RecordingReport), to be printed by the caller.
 
+mod as_read;
 mod calibrate;
 #[cfg(feature = "live")]
 pub mod capture;
@@ -23,6 +24,7 @@ mod import;
 mod inspect;
 mod mark;
 mod output;
+mod panics;
 mod predict;
 mod process;
 mod provenance;

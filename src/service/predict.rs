@@ -11,7 +11,6 @@ use super::finish::{beside, finish, open};
 use super::guard::Inputs;
 use super::working::Working;
 use crate::motion::{EventKind, Scene};
-use crate::pipeline::Pipeline;
 use crate::report::RecordingReport;
 
 /// How long is simulated at most, where nobody says otherwise \[s\].
@@ -30,6 +29,8 @@ pub struct PredictJob {
     pub until: Option<String>,
     /// How long is simulated at most \[s\].
     pub limit_s: f64,
+    /// Whether likely mistakes are looked for ([`Pipeline::with_diagnoses`](crate::pipeline::Pipeline::with_diagnoses)).
+    pub is_diagnosing: bool,
     /// How long reading and estimating may take; no limit by default.
     pub deadline: Option<Duration>,
 }
@@ -45,15 +46,15 @@ pub fn predict(job: &PredictJob) -> anyhow::Result<RecordingReport> {
     let inputs = iter::once(job.input.as_path()).chain(job.scene.as_deref());
     Inputs::of(inputs).keep_from(&output)?;
     let working = Working::begin("reading");
-    let mut opened = open(
+    let opened = open(
         &job.input,
         job.scene.as_deref(),
         Deadline::begin(job.deadline),
     )?;
     let path = job.input.display();
-    let take = opened.recording.take(&opened.scene)?;
-    let pipeline = Pipeline::of(opened.scene.clone(), take.events);
-    let scene = opened.scene.with_marks(pipeline.marks());
+    let take = opened.recording.take(opened.scene.for_reading())?;
+    let pipeline = opened.scene.pipeline(take.events);
+    let scene = pipeline.scene().with_marks(pipeline.marks());
     let event =
         last(&scene, job.until.as_deref()).map_err(|error| error.context(path.to_string()))?;
     let name = scene.events[event].name.clone();
@@ -63,7 +64,7 @@ pub fn predict(job: &PredictJob) -> anyhow::Result<RecordingReport> {
             "{path}: no mark of {name:?}, expected one: the motion is predicted from there; `enact mark` proposes marks"
         );
     };
-    opened.scene = pipeline.scene().clone();
+    let pipeline = pipeline.with_diagnoses(job.is_diagnosing);
     finish(&opened, &pipeline, &take.report, &output, &working)
 }
 

@@ -13,9 +13,9 @@ use rayon::prelude::*;
 use super::deadline::{Deadline, leeway};
 use super::finish::{finish, opened, output_path, with_recording};
 use super::guard::Inputs;
+use super::panics::guarded;
 use super::working::Working;
 use crate::ingest::Recording;
-use crate::pipeline::Pipeline;
 use crate::report::RecordingReport;
 use crate::write::has_estimate;
 
@@ -28,8 +28,10 @@ pub struct ProcessJob {
     pub output: PathBuf,
     /// Scene file for all; each recording's own scene by default.
     pub scene: Option<PathBuf>,
-    /// Whether what explains a misfit is set free ([`Pipeline::with_free_auto`]).
+    /// Whether what explains a misfit is set free ([`Pipeline::with_free_auto`](crate::pipeline::Pipeline::with_free_auto)).
     pub is_free_auto: bool,
+    /// Whether likely mistakes are looked for ([`Pipeline::with_diagnoses`](crate::pipeline::Pipeline::with_diagnoses)).
+    pub is_diagnosing: bool,
     /// How long reading and estimating each may take; no limit by default.
     pub deadline: Option<Duration>,
 }
@@ -167,13 +169,15 @@ fn one(
             return Ok(Processed::LeftAlone { recording: name() });
         }
         let opened = opened(recording, job.scene.as_deref(), deadline)?;
-        let take = opened.recording.take(&opened.scene)?;
-        let pipeline = Pipeline::of(opened.scene.clone(), take.events);
+        let take = opened.recording.take(opened.scene.for_reading())?;
+        let pipeline = opened.scene.pipeline(take.events);
         let pipeline = pipeline.with_free_auto(job.is_free_auto);
+        let pipeline = pipeline.with_diagnoses(job.is_diagnosing);
         let report = finish(&opened, &pipeline, &take.report, output, &Working::hidden())?;
         Ok(Processed::Estimated(Box::new(report)))
     };
-    with_recording(input, deadline, estimate).map_err(|error| Failure {
+    // A bug that one recording meets is an error of that recording.
+    guarded(|| with_recording(input, deadline, estimate)).map_err(|error| Failure {
         recording: name(),
         error,
     })

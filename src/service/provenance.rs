@@ -53,6 +53,9 @@ pub(super) fn provenance(
     if pipeline.is_free_auto() {
         words.extend(["--free", "auto"].map(str::to_owned));
     }
+    if !pipeline.is_diagnosing() {
+        words.push("--no-diagnose".to_owned());
+    }
     Provenance {
         program: PROGRAM.to_owned(),
         command: command_line(&words),

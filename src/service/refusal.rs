@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::motion::Observer;
 use crate::pipeline::{Pipeline, PipelineError};
 use crate::report::DiagnosisLine;
 
@@ -17,8 +18,12 @@ pub struct Refusal {
 
 impl Refusal {
     /// Looks for likely mistakes.
-    pub(super) fn new(pipeline: &Pipeline, error: PipelineError) -> Self {
-        let diagnoses = pipeline.diagnose(&mut ());
+    pub(super) fn new(
+        pipeline: &Pipeline,
+        error: PipelineError,
+        observer: &mut dyn Observer,
+    ) -> Self {
+        let diagnoses = pipeline.diagnose(observer);
         let lines = diagnoses
             .iter()
             .map(|diagnosis| DiagnosisLine::new(pipeline.scene(), diagnosis));

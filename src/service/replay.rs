@@ -12,7 +12,6 @@ use super::publish::Publication;
 use super::working::Working;
 use crate::ingest::Source;
 use crate::motion::Stamp;
-use crate::pipeline::Pipeline;
 use crate::report::RecordingReport;
 
 /// The input of [`replay`].
@@ -24,13 +23,15 @@ pub struct ReplayJob {
     pub output: Option<PathBuf>,
     /// Scene file; the recording's own scene by default.
     pub scene: Option<PathBuf>,
-    /// Whether what explains a misfit is set free ([`Pipeline::with_free_auto`]).
+    /// Whether what explains a misfit is set free ([`Pipeline::with_free_auto`](crate::pipeline::Pipeline::with_free_auto)).
     pub is_free_auto: bool,
     /// Pace relative to that of the performance; as fast as possible by default.
     pub rate: Option<f64>,
     /// Publish it over iceoryx2 too, as its trackers and a daemon would have: at the pace of the
     /// performance unless `rate` is given.
     pub publish: Option<PublishJob>,
+    /// Whether likely mistakes are looked for ([`Pipeline::with_diagnoses`](crate::pipeline::Pipeline::with_diagnoses)).
+    pub is_diagnosing: bool,
     /// How long reading and estimating may take; no limit by default.
     pub deadline: Option<Duration>,
 }
@@ -76,11 +77,11 @@ fn replayed(
     output: &Path,
     working: &Working,
 ) -> anyhow::Result<RecordingReport> {
-    let mut source = opened.recording.source(&opened.scene)?;
-    let mut pipeline = Pipeline::new(opened.scene.clone());
+    let mut source = opened.recording.source(opened.scene.for_reading())?;
+    let mut pipeline = opened.scene.pipeline([]);
     let publish = job.publish.as_ref();
     let mut publication = publish
-        .map(|publish| Publication::begin(&opened.scene, publish.iceoryx2.as_deref()))
+        .map(|publish| Publication::begin(opened.scene.for_reading(), publish.iceoryx2.as_deref()))
         .transpose()?;
     let mut pace = job.rate.or(publish.map(|_| 1.0)).map(Pace::new);
     while let Some((log_time, event)) = source.next()? {
@@ -93,6 +94,7 @@ fn replayed(
         pipeline.push(event);
     }
     let pipeline = pipeline.with_free_auto(job.is_free_auto);
+    let pipeline = pipeline.with_diagnoses(job.is_diagnosing);
     let (report, outcome) = finished(&opened, &pipeline, source.report(), output, working)?;
     if let Some(publication) = publication {
         publication.end(&outcome)?;

@@ -221,7 +221,7 @@ fn of_rows(scene: &Scene, rows: &[SketchRow]) -> Vec<String> {
 fn read(job: &SketchJob, output: &Path, kind: Kind, working: &Working) -> anyhow::Result<Sketched> {
     let deadline = Deadline::begin(job.deadline);
     let opened = open(&job.input, job.scene.as_deref(), deadline)?;
-    let scene = &opened.scene;
+    let scene = opened.scene.for_reading();
     let written = opened.recording.sketch(scene)?;
     let (rows, notes) = match written {
         Some(rows) if !job.is_estimated && job.density == Density::All => {

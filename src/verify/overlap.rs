@@ -54,6 +54,14 @@ pub(super) fn deepest(
     deepest
 }
 
+/// When the first body that goes deeper into another, or into what stands, than the tolerance begins to \[s\].
+pub(super) fn begins_s(world: &World) -> Option<f64> {
+    let begins = world
+        .meetings()
+        .filter_map(|meeting| OverlapScan::new(world, &meeting).begins_s());
+    begins.min_by(f64::total_cmp)
+}
+
 struct OverlapScan<'w, 'm> {
     meeting: &'m Meeting<'w>,
     /// Features expected to touch the partner at a neighbouring event.
@@ -113,6 +121,27 @@ impl<'w, 'm> OverlapScan<'w, 'm> {
         }
         let refined = self.refined(deepest?.time_s, RESOLUTION_M / speed_m_s);
         (refined.depth_m > self.tolerance_m).then_some(refined)
+    }
+
+    /// The last time before an overlap beyond the tolerance at which nothing touched.
+    fn begins_s(&self) -> Option<f64> {
+        let Meeting { from_s, to_s, .. } = *self.meeting;
+        let speed_m_s = self.meeting.speed_bound_m_s().max(f64::MIN_POSITIVE);
+        let (mut time_s, mut free_s) = (from_s, None);
+        loop {
+            let look = self.look(time_s);
+            if look.depth_m > self.tolerance_m {
+                return free_s;
+            }
+            if look.gap_m > 0.0 {
+                free_s = Some(time_s);
+            }
+            if time_s >= to_s {
+                return None;
+            }
+            let step_s = look.gap_m.max(RESOLUTION_M) / speed_m_s;
+            time_s = (time_s + step_s.max((to_s - from_s) / LOOKS)).min(to_s);
+        }
     }
 
     fn look(&self, time_s: f64) -> Look {

@@ -37,6 +37,13 @@ pub fn verify_until(
     })
 }
 
+/// When a motion begins to go into something, deeper than the scene may be inaccurate \[s\]; `None` where it does not.
+///
+/// The estimate's arcs must be finite and the scene valid.
+pub fn overlap_begins_s(scene: &Scene, estimate: &Estimate) -> Option<f64> {
+    overlap::begins_s(&World::new(scene, estimate))
+}
+
 /// The features that touch first at every collision, as in [`verify`](verify()), without the other
 /// checks: for the search, which needs them of every candidate.
 ///

@@ -17,4 +17,4 @@ pub use mesh::{Triangle, mesh};
 pub use outline::{Loop, Outline, SHADES, chain, outline, simplified};
 pub use patch::{Patch, patches};
 pub use primitive::{Form, Primitive, cone_slices, hull_slices, primitives};
-pub use visuals::{GHOST_RGBA, Subject, Visual, visuals};
+pub use visuals::{GHOST_RGBA, Subject, Visual, body_rgba, visuals};

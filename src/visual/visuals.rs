@@ -37,6 +37,24 @@ pub enum Subject {
     Goal(usize),
 }
 
+/// Colours by which bodies beside one another are told apart: that of a body alone first, then those that people with
+/// any colour vision tell apart (Okabe and Ito).
+const BODIES_RGB: [[f64; 3]; 7] = [
+    [0.95, 0.65, 0.20],
+    [0.34, 0.71, 0.91],
+    [0.00, 0.62, 0.45],
+    [0.80, 0.47, 0.65],
+    [0.00, 0.45, 0.70],
+    [0.84, 0.37, 0.00],
+    [0.94, 0.89, 0.26],
+];
+
+/// The colour of a body among others, opaque.
+pub fn body_rgba(link: LinkIndex) -> [f64; 4] {
+    let [red, green, blue] = BODIES_RGB[usize::from(link) % BODIES_RGB.len()];
+    [red, green, blue, 1.0]
+}
+
 impl Subject {
     /// Red, green, blue and opacity, from 0 to 1.
     pub fn rgba(self) -> [f64; 4] {

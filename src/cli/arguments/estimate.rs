@@ -38,6 +38,8 @@ pub(in crate::cli) struct ReplayArguments {
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(in crate::cli) free: Option<Free>,
     #[command(flatten)]
+    pub(in crate::cli) diagnosing: Diagnosing,
+    #[command(flatten)]
     pub(in crate::cli) limits: Limits,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
@@ -63,6 +65,8 @@ pub(in crate::cli) struct ProcessArguments {
     /// Set free what explains a misfit: the fewest of what the scenes keep fixed
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(in crate::cli) free: Option<Free>,
+    #[command(flatten)]
+    pub(in crate::cli) diagnosing: Diagnosing,
     #[command(flatten)]
     pub(in crate::cli) limits: Limits,
     /// How the accounts on stdout are written
@@ -92,6 +96,8 @@ pub(in crate::cli) struct PredictArguments {
     #[arg(long, value_name = "S", value_parser = rate, default_value_t = DEFAULT_PREDICTION_S)]
     pub(in crate::cli) limit: f64,
     #[command(flatten)]
+    pub(in crate::cli) diagnosing: Diagnosing,
+    #[command(flatten)]
     pub(in crate::cli) limits: Limits,
     /// How the account on stdout is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
@@ -104,6 +110,20 @@ pub(in crate::cli) struct Limits {
     /// End reading and estimating each recording after so long, as `50ms` or `2s`, with the best so far
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub(in crate::cli) deadline: Option<Duration>,
+}
+
+/// Whether likely mistakes are looked for.
+#[derive(Debug, Args)]
+pub(in crate::cli) struct Diagnosing {
+    /// Do not look for likely mistakes, which takes up to ten times as long as estimating
+    #[arg(long)]
+    no_diagnose: bool,
+}
+
+impl Diagnosing {
+    pub(in crate::cli) fn is_wanted(&self) -> bool {
+        !self.no_diagnose
+    }
 }
 
 /// When a command ends that has no best so far to end with.

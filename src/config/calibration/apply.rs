@@ -1,6 +1,7 @@
 //! A scene's text with calibrated values in it, everything else as it was written.
 
-use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike, Value};
+use nalgebra::Vector3;
+use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value};
 
 use super::super::error::{Fault, SceneError};
 use super::super::text::scene_from_toml;
@@ -133,6 +134,10 @@ impl Merger<'_> {
             }
         };
         into.insert(key, Item::Value(value));
+        // The same said otherwise.
+        if key == "orientation_wxyz" {
+            into.remove("rpy_deg");
+        }
         let (file, kind) = (self.file, self.kind);
         self.changes
             .push(format!("{here} = {now}{was} ({kind}, {file})"));
@@ -160,7 +165,8 @@ impl Merger<'_> {
         let names: Vec<String> = tables.iter().filter_map(identity).collect();
         let mut present = tables.iter_mut();
         if let Some(table) = present.find(|of| identity(of).as_deref() == Some(&name)) {
-            return self.merge(table, from, &here);
+            let from = in_the_middle(table, from).unwrap_or_else(|| from.clone());
+            return self.merge(table, &from, &here);
         }
         drop(present);
         if matches!(key, "body" | "track") {
@@ -179,6 +185,30 @@ impl Merger<'_> {
         self.changes.push(format!("{here} added ({kind}, {file})"));
         Ok(())
     }
+}
+
+/// A plane for a board: its point is the board's middle, which a plane that was touched does not tell. It stays where
+/// it is but for its distance from the plane. `None` where the surface is no board.
+fn in_the_middle(board: &Table, plane: &Table) -> Option<Table> {
+    board.get("size_mm")?;
+    let vector = |table: &Table, key: &str| -> Option<Vector3<f64>> {
+        let array = table.get(key)?.as_array()?;
+        let number = |value: &Value| value.as_float().or(value.as_integer().map(|x| x as f64));
+        let numbers: Option<Vec<f64>> = array.iter().map(number).collect();
+        numbers
+            .filter(|numbers| numbers.len() == 3)
+            .map(|numbers| Vector3::from_column_slice(&numbers))
+    };
+    let middle_mm = vector(board, "point_mm")?;
+    let normal = vector(plane, "normal")?.try_normalize(0.0)?;
+    let above_mm = normal.dot(&(middle_mm - vector(plane, "point_mm")?));
+    let moved_mm = (middle_mm - normal * above_mm).map(|x| (x * 1e6).round() / 1e6 + 0.0);
+    let mut plane = plane.clone();
+    plane.insert(
+        "point_mm",
+        Item::Value(moved_mm.iter().copied().collect::<Array>().into()),
+    );
+    Some(plane)
 }
 
 fn is_identity(key: &str) -> bool {

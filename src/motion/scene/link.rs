@@ -53,7 +53,13 @@ impl Link {
 
     /// Pose of its shape in the frame in which its scene gives it.
     pub fn given_from_shape(&self) -> Pose {
-        self.link_from_given.inverse() * self.link_from_shape()
+        self.given_from(&self.link_from_shape())
+    }
+
+    /// A pose in its axes, such as that of a tracker on it, in the frame in which its scene gives it: what a key
+    /// of a scene says.
+    pub fn given_from(&self, link_from_other: &Pose) -> Pose {
+        self.link_from_given.inverse() * link_from_other
     }
 
     /// Its shape prepared for distance queries, in its axes.

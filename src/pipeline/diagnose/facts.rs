@@ -2,7 +2,7 @@
 
 use super::fall::Fall;
 use super::motion::Flight;
-use crate::motion::{Scene, TakeEvent, Timing};
+use crate::motion::{SampleSource, Scene, TakeEvent, Timing, TrackIndex};
 
 /// What is known of a take.
 pub(super) struct Facts<'a> {
@@ -12,6 +12,8 @@ pub(super) struct Facts<'a> {
     pub(super) falls: Vec<Fall>,
     /// The flights with physical times, if they are known.
     pub(super) flights: Vec<Flight>,
+    /// The flights at their stamps, whatever these mean.
+    pub(super) seen: Vec<Flight>,
 }
 
 impl Facts<'_> {
@@ -20,6 +22,24 @@ impl Facts<'_> {
         let gravity_m_s2 = self.scene.gravity_m_s2.norm();
         let pull_m_s2 = fall.acceleration_m_s2.norm();
         (gravity_m_s2 > 0.0 && pull_m_s2 > 0.0).then(|| pull_m_s2 / gravity_m_s2)
+    }
+
+    /// Whether a tracker says something of a track; keyframes of it are of the body itself.
+    pub(super) fn is_tracked(&self, of: TrackIndex) -> bool {
+        self.events.iter().any(|event| match event {
+            TakeEvent::Pose { track, sample, .. } => {
+                *track == of && sample.from == SampleSource::Tracker
+            }
+            TakeEvent::Mark(_) => false,
+        })
+    }
+
+    /// Who says how the bodies move: somebody who wrote it down only where no tracker does.
+    pub(super) fn source(&self) -> SampleSource {
+        match self.scene.tracks.keys().any(|track| self.is_tracked(track)) {
+            true => SampleSource::Tracker,
+            false => SampleSource::Keyframe,
+        }
     }
 
     /// Whether stamps are said to be physical times.

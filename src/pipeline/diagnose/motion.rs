@@ -1,9 +1,12 @@
 //! A take estimated for a diagnosis: how far its motion is from the samples, and whether that can be
 //! what was acted.
 
+use nalgebra::UnitQuaternion;
+
+use super::budget::Budget;
 use crate::motion::{
-    Distance, Estimate, Observer, Remedy, Sample, Scene, Sketch, TakeEvent, Timing, TrackIndex,
-    VelocityGaps, Verdict,
+    Distance, Estimate, Remedy, Sample, Scene, Sketch, TakeEvent, Timing, TrackIndex, VelocityGaps,
+    Verdict,
 };
 use crate::pipeline::perform::Prepared;
 use crate::verify::credible;
@@ -12,8 +15,6 @@ use crate::verify::credible;
 /// physical stamps and where times are unknown.
 const TIMED: f64 = 1.05;
 const UNTIMED: f64 = 2.0;
-/// Iterations of one try.
-const ITERATIONS: usize = 100;
 
 /// A motion of the take as it is said to be, or with a remedy.
 pub(super) struct Motion {
@@ -28,46 +29,31 @@ pub(super) struct Motion {
 }
 
 /// Samples of a flight with their physical times \[s\].
+#[derive(Clone)]
 pub(super) struct Flight {
     pub(super) track: TrackIndex,
     pub(super) readings: Vec<(f64, Sample)>,
+    /// The orientation that the scene asks where it ends.
+    pub(super) goal: Option<UnitQuaternion<f64>>,
 }
 
 /// The flights of a take by its stamps; none where it cannot be cut.
 pub(super) fn flights_by_stamps(
     scene: &Scene,
     events: &[TakeEvent],
-    observer: &mut dyn Observer,
+    budget: &mut Budget,
 ) -> Vec<Flight> {
-    let prepared = Prepared::new(scene, events, observer);
-    let flights = prepared.iter().flat_map(|prepared| prepared.flights());
-    let flights = flights.map(|(track, samples)| Flight {
+    budget.prepare();
+    let prepared = Prepared::new(scene, events, &mut ());
+    let Ok(prepared) = prepared else {
+        return Vec::new();
+    };
+    let flights = prepared.flights().map(|(track, samples, end)| Flight {
         track,
         readings: samples.iter().map(|s| (s.acted_s, *s)).collect(),
+        goal: end.and_then(|event| prepared.asked(track, event)),
     });
     flights.collect()
-}
-
-/// An observer of one try, which it ends where it takes many more iterations than a motion that fits.
-struct Budget<'a> {
-    observer: &'a mut dyn Observer,
-    left: usize,
-}
-
-impl<'a> Budget<'a> {
-    fn new(observer: &'a mut dyn Observer) -> Self {
-        Self {
-            observer,
-            left: ITERATIONS,
-        }
-    }
-}
-
-impl Observer for Budget<'_> {
-    fn should_stop(&mut self) -> bool {
-        self.left = self.left.saturating_sub(1);
-        self.left == 0 || self.observer.should_stop()
-    }
 }
 
 impl Motion {
@@ -77,23 +63,27 @@ impl Motion {
         scene: &Scene,
         events: &[TakeEvent],
         farthest: f64,
-        observer: &mut dyn Observer,
+        budget: &mut Budget,
     ) -> Option<Self> {
+        if budget.is_over() {
+            return None;
+        }
+        budget.prepare();
         let mut scene = scene.clone();
         if scene.velocity_gaps == VelocityGaps::WhenNeeded {
             scene.velocity_gaps = VelocityGaps::Never;
         }
-        let prepared = Prepared::new(&scene, events, observer).ok()?;
+        let prepared = Prepared::new(&scene, events, &mut ()).ok()?;
         let slack = match scene.timing {
             // Guessed times are not yet those that fit best.
             Timing::Unknown { .. } => UNTIMED,
             Timing::Known | Timing::Edited => TIMED,
         };
-        let alone = prepared.alone(observer) / slack;
+        let alone = prepared.alone(&mut budget.of_one()) / slack;
         if !(alone <= farthest) {
             return None;
         }
-        let performed = prepared.performed(&mut Budget::new(observer)).ok()?;
+        let performed = prepared.performed(&mut budget.of_one()).ok()?;
         let (given, estimate) = (performed.inferred.scene, performed.inferred.solved.estimate);
         if estimate.verdict == Verdict::Failed {
             return None;
@@ -133,6 +123,7 @@ impl Motion {
                 Flight {
                     track: residual.track,
                     readings: readings.collect(),
+                    goal: None,
                 }
             })
             .collect()

@@ -12,8 +12,10 @@
 use nalgebra::{Matrix3, SymmetricEigen, Translation3, Vector3};
 
 use super::facts::Facts;
-use super::motion::Flight;
+use super::motion::{Flight, Motion};
+use super::turned::mounts;
 use crate::math::Pose;
+use crate::math::so3::{exp, log};
 use crate::motion::{MountSlip, QuaternionSlip, Remedy, Scene, TrackIndex};
 
 /// Least offset \[m\].
@@ -27,10 +29,14 @@ const WEAK_SHARE: f64 = 0.1;
 pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
     let tracks = facts.scene.tracks.iter_enumerated();
     tracks
+        .filter(|(track, _)| facts.is_tracked(*track))
         .flat_map(|(track, seen)| {
             // Slips are of what was typed: in the frame in which the scene gives the body.
-            let link_from_given = facts.scene.links[seen.link].link_from_given;
-            let given = link_from_given.inverse() * seen.link_from_tracker;
+            let link = &facts.scene.links[seen.link];
+            let (link_from_given, given) = (
+                link.link_from_given,
+                link.given_from(&seen.link_from_tracker),
+            );
             let offset_m = given.translation.vector;
             let has_offset = offset_m.norm() > LEAST_M;
             let has_turn = given.rotation.angle() > 1e-6;
@@ -69,6 +75,81 @@ pub(super) fn remedies(facts: &Facts) -> Vec<Remedy> {
             })
         })
         .collect()
+}
+
+/// Mounts of each tracker that are turned otherwise, with the offset as it is said and with that which fits flights
+/// best.
+pub(super) fn turned(facts: &Facts) -> Vec<Remedy> {
+    let tracks = facts.scene.tracks.keys();
+    let tracks = tracks.filter(|track| facts.is_tracked(*track));
+    let remedies = tracks.flat_map(|track| {
+        mounts(facts, track).into_iter().flat_map(move |turned| {
+            let elsewhere = elsewhere(facts, track, &turned);
+            [
+                (MountSlip::Turned, Some(turned)),
+                (MountSlip::Elsewhere, elsewhere),
+            ]
+            .into_iter()
+            .filter_map(move |(slip, pose)| {
+                Some(Remedy::Mount {
+                    track,
+                    link_from_tracker: pose?,
+                    slip,
+                })
+            })
+        })
+    });
+    let mut remedies: Vec<Remedy> = remedies.collect();
+    // What is wrong in one thing before what is wrong in two.
+    remedies.sort_by_key(|remedy| {
+        matches!(
+            remedy,
+            Remedy::Mount {
+                slip: MountSlip::Elsewhere,
+                ..
+            }
+        )
+    });
+    remedies
+}
+
+/// A turned mount with the offset that fits flights best. Flights show where the centre of mass is in the tracker's own
+/// axes, however these are turned on the body.
+fn elsewhere(facts: &Facts, track: TrackIndex, turned: &Pose) -> Option<Pose> {
+    let given = facts.scene.tracks[track].link_from_tracker;
+    let fitted = fitted(facts.scene, &facts.flights, track)?;
+    let centre_m = given.rotation.inverse() * fitted.translation.vector;
+    let moved = Translation3::from(turned.rotation * centre_m);
+    Some(Pose::from_parts(moved, turned.rotation))
+}
+
+/// A mount turned so that what is seen of a flight is, in the mean, as the motion has it.
+pub(super) fn aligned(motion: &Motion, track: TrackIndex) -> Option<Pose> {
+    let (scene, estimate) = (&motion.scene, &motion.estimate);
+    let mechanism = scene.mechanism_seen_by(track);
+    let dynamics = scene.dynamics(mechanism);
+    let arcs = estimate
+        .arcs
+        .iter()
+        .filter(|arc| arc.mechanism == mechanism);
+    let arcs: Vec<_> = arcs.collect();
+    let (mut sum, mut count) = (Vector3::zeros(), 0.0);
+    for flight in motion.flights().iter().filter(|of| of.track == track) {
+        for (time_s, sample) in &flight.readings {
+            let within = arcs.iter().find(|arc| *time_s <= arc.end_s);
+            let (Some(arc), Some(seen)) = (within.or(arcs.last()), sample.seen.orientation())
+            else {
+                continue;
+            };
+            let since_s = time_s - arc.epoch_s;
+            let state = dynamics.advance(&estimate.gravity_m_s2, &arc.state, since_s);
+            sum += log(&(state.orientation.inverse() * seen));
+            count += 1.0;
+        }
+    }
+    let given = scene.tracks[track].link_from_tracker;
+    let turned = exp(&(sum / count)) * given.rotation;
+    (count > 0.0).then(|| Pose::from_parts(given.translation, turned))
 }
 
 /// The mount with the offset that fits flights best; `None` where the body turns in none of the track, and

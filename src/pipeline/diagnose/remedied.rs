@@ -67,6 +67,7 @@ pub(super) fn remedied(
             }
             snapped(&mut scene)?;
         }
+        Remedy::FreeLabels { goal } => scene.rest_goals[*goal].labels_are_free = true,
         Remedy::Surface {
             surface, point_m, ..
         } => {

@@ -150,18 +150,20 @@ fn say_mount(
     let Some(up) = (-scene.gravity_m_s2).try_normalize(1e-6) else {
         bail!("the scene has no gravity: nothing is up in it");
     };
+    // Everything in the frame in which the scene gives the body: that is where its keys are.
     let link = &scene.links[track.link];
+    let in_scene = link.given_from(&track.link_from_tracker).rotation;
+    let given_from_link = link.link_from_given.rotation.inverse();
     let standings: Vec<Standing> = fits
         .iter()
         .zip(stands)
         .map(|(fit, name)| {
             Ok(Standing {
-                body_up: body_axis(link, name)?,
+                body_up: given_from_link * body_axis(link, name)?,
                 tracker_up: fit.world_from_tracker.inverse() * up,
             })
         })
         .collect::<anyhow::Result<_>>()?;
-    let in_scene = track.link_from_tracker.rotation;
     let Some(mount) = calibrate::mount(&standings, &in_scene) else {
         return Ok(());
     };

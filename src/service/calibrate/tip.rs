@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, bail};
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Vector3};
 
 use super::quantity::{begun, measured, plain, rounded, say_spread, triple};
 use super::streams::{Read, read};
@@ -107,10 +107,14 @@ pub(super) fn pivot(
     match (read.track(), feature) {
         (Some((scene, track)), Some(feature)) => {
             let at_m = feature_m(scene, track, feature).with_context(|| read.file.clone())?;
-            // The feature is where the tip is: p_link = R p_tracker + d.
+            // The feature is where the tip is: p_link = R p_tracker + d. The key is of the frame in which the
+            // scene gives the body.
             let tip_m = Vector3::from_column_slice(&fit.tip_m.value);
-            let position_m = at_m - track.link_from_tracker.rotation * tip_m;
-            let off_mm = (position_m - track.point_m()).norm() * 1e3;
+            let turn = track.link_from_tracker.rotation;
+            let off_mm = (at_m - turn * tip_m - track.point_m()).norm() * 1e3;
+            let link_from_tracker = Isometry3::from_parts((at_m - turn * tip_m).into(), turn);
+            let given_from_tracker = scene.links[track.link].given_from(&link_from_tracker);
+            let position_m = given_from_tracker.translation.vector;
             found.notes.push(format!(
                 "tracker.position_mm as it follows from where {feature} is in the scene and how the tracker is turned \
                  there; {off_mm:.2} mm from what the scene has"

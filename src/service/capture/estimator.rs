@@ -1,13 +1,11 @@
 //! The thread that estimates takes that are over. The recording threads never wait for it.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
-use anyhow::anyhow;
 use tokio::sync::watch;
 
 use super::event::CaptureEvent;
@@ -15,10 +13,11 @@ use super::metrics::Metrics;
 use super::notice::{Notice, Shown, Speaker};
 use super::take::now_ns;
 use crate::page::View;
-use crate::pipeline::{Outcome, Pipeline};
+use crate::pipeline::Outcome;
 use crate::report::RecordingReport;
 use crate::service::deadline::Deadline;
 use crate::service::finish::{finished, open, output_path};
+use crate::service::panics::guarded;
 use crate::service::report::picture;
 use crate::service::words;
 use crate::service::working::Working;
@@ -89,8 +88,8 @@ fn estimate_file(
     deadline: Deadline,
 ) -> anyhow::Result<(RecordingReport, Outcome, u64)> {
     let opened = open(path, None, deadline)?;
-    let take = opened.recording.take(&opened.scene)?;
-    let pipeline = Pipeline::of(opened.scene.clone(), take.events);
+    let take = opened.recording.take(opened.scene.for_reading())?;
+    let pipeline = opened.scene.pipeline(take.events);
     let output = output_path(path, None)?;
     let (report, outcome) = finished(
         &opened,
@@ -100,12 +99,6 @@ fn estimate_file(
         &Working::hidden(),
     )?;
     Ok((report, outcome, pipeline.marks() as u64))
-}
-
-/// Runs an estimation and turns a panic into an error, so that a bug does not end a recording.
-pub(super) fn guarded<T>(estimate: impl FnOnce() -> anyhow::Result<T>) -> anyhow::Result<T> {
-    catch_unwind(AssertUnwindSafe(estimate))
-        .unwrap_or_else(|_| Err(anyhow!("the estimation panicked, which is a bug")))
 }
 
 pub(super) fn occasion(take: u64, marks: u64, is_final: bool) -> EstimateOccasion {

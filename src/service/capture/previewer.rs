@@ -12,13 +12,14 @@ use std::time::{Duration, Instant};
 
 use tokio::sync::watch;
 
-use super::estimator::{guarded, occasion};
+use super::estimator::occasion;
 use super::event::CaptureEvent;
 use super::metrics::Metrics;
 use super::notice::{Notice, Shown, Speaker};
 use crate::motion::{Observer, Scene, TakeEvent};
 use crate::pipeline::Preview;
 use crate::report::{gravest, plain};
+use crate::service::panics::guarded;
 use crate::service::words;
 
 /// After an estimate that takes longer than this, the thread rests four times as long.

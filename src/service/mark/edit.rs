@@ -58,7 +58,7 @@ impl Edited {
 
 /// The recording's own marks, in order of time.
 pub(super) fn present(opened: &Opened) -> anyhow::Result<Vec<Placed>> {
-    let topic = &opened.scene.marks_topic;
+    let topic = &opened.scene.for_reading().marks_topic;
     if !opened
         .recording
         .container()
@@ -87,7 +87,7 @@ pub(super) fn edited(
     edits: &MarkEdits,
     (opened, first, offset_ns): (&Opened, Stamp, i64),
 ) -> anyhow::Result<Edited> {
-    let scene = &opened.scene;
+    let scene = opened.scene.for_reading();
     let mut without = BTreeSet::new();
     let placed = |stamp: Stamp, event: Option<String>| Placed {
         mark: Mark { stamp, event },
@@ -166,7 +166,7 @@ fn of_topic(
             Stamp(message.log_time.0.saturating_sub(offset_ns))
         };
         if let Some(event) = &message.mark.event {
-            check_event(event, &opened.scene)?;
+            check_event(event, opened.scene.for_reading())?;
         }
         Ok(placed(stamp, message.mark.event))
     });

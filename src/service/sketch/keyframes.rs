@@ -103,7 +103,9 @@ impl Motion {
         (deadline, working): (Deadline, &Working),
     ) -> anyhow::Result<(Self, Vec<String>)> {
         let mut stopwatch = Stopwatch::start(deadline, working);
-        let outcome = Pipeline::of(scene.clone(), events).finish(&mut stopwatch)?;
+        // What may be mistaken is not said here.
+        let pipeline = Pipeline::of(scene.clone(), events).with_diagnoses(false);
+        let outcome = pipeline.finish(&mut stopwatch)?;
         let has_ended_early = stopwatch.has_ended_it();
         let estimate = &outcome.estimate;
         if estimate.verdict == Verdict::Failed {

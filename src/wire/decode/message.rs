@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::error::DecodeError;
-use crate::motion::{Covariance, Holds, Mark, PoseSample, Stamp};
+use crate::motion::{Covariance, Holds, Mark, PoseSample, SampleSource, Stamp};
 
 /// A pose, or a part of one, as a message gives it.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,6 +76,7 @@ impl FramedPose {
             holds: self.holds,
             covariance: self.covariance,
             open: None,
+            from: SampleSource::Tracker,
         }
     }
 }

@@ -1,6 +1,8 @@
 //! The motion on a grid of frames, with keys of its own where it begins, ends and has kinks.
 
-use nalgebra::{Vector3, Vector4};
+use std::collections::BTreeSet;
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector3, Vector4};
 
 use super::motion::WrittenMotion;
 use crate::motion::{LinkIndex, PoseSample, Scene, Stamp};
@@ -20,6 +22,9 @@ pub struct Key {
     pub is_exact: bool,
 }
 
+/// How deep a straight line from frame to frame may cut off a kink of what is simulated \[m\].
+const CUT_M: f64 = 5e-4;
+
 /// What is exported of a body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExportedBody {
@@ -33,7 +38,7 @@ pub struct ExportedBody {
 }
 
 /// The bodies that have a motion, with keys at every frame of a grid that holds physical time zero, at the
-/// motion's beginning and end, and at every event between.
+/// motion's beginning and end, at every event between, and where what is simulated bounces.
 ///
 /// A frame that the file has is as it is there. Others are read off the polynomials through the four nearest
 /// poses of the same flight, and of what is simulated, which touches at times that are not known, through two.
@@ -53,14 +58,22 @@ pub fn exported_bodies(
         });
         (!samples.is_empty()).then(|| ExportedBody {
             link,
-            keys: keys(motion, samples, frame_rate_hz),
+            keys: keys(
+                motion,
+                samples,
+                (frame_rate_hz, bounces(scene, motion, link, frame_rate_hz)),
+            ),
             acted: acted.collect(),
         })
     });
     bodies.collect()
 }
 
-fn keys(motion: &WrittenMotion, samples: &[PoseSample], frame_rate_hz: f64) -> Vec<Key> {
+fn keys(
+    motion: &WrittenMotion,
+    samples: &[PoseSample],
+    (frame_rate_hz, bounces): (f64, BTreeSet<Stamp>),
+) -> Vec<Key> {
     let (Some(first), Some(last)) = (samples.first(), samples.last()) else {
         return Vec::new();
     };
@@ -69,7 +82,8 @@ fn keys(motion: &WrittenMotion, samples: &[PoseSample], frame_rate_hz: f64) -> V
     for sample in samples {
         let events = motion.events.iter().filter(|(at, _)| *at == sample.stamp);
         let names: Vec<&str> = events.map(|(_, name)| name.as_str()).collect();
-        if !names.is_empty() || ends.contains(&sample.stamp) {
+        let is_own = ends.contains(&sample.stamp) || bounces.contains(&sample.stamp);
+        if !names.is_empty() || is_own {
             keys.push(Key {
                 sample: *sample,
                 event: (!names.is_empty()).then(|| names.join(" + ")),
@@ -102,6 +116,45 @@ fn keys(motion: &WrittenMotion, samples: &[PoseSample], frame_rate_hz: f64) -> V
         key.sample = sample;
     }
     keys
+}
+
+/// Poses of what is simulated that frames would cut off: those about a kink, where the velocity jumps from one step to
+/// the next by more than gravity does.
+fn bounces(
+    scene: &Scene,
+    motion: &WrittenMotion,
+    link: LinkIndex,
+    frame_rate_hz: f64,
+) -> BTreeSet<Stamp> {
+    let samples = &motion.estimates[link];
+    let Some(from) = motion.simulated_from else {
+        return BTreeSet::new();
+    };
+    let begin = samples.partition_point(|sample| sample.stamp < from);
+    // Gravity alone pulls at the centre of mass; the frame in which the body is given goes round it.
+    let centre_m = scene.links[link]
+        .link_from_given
+        .inverse()
+        .translation
+        .vector;
+    let place_m = |sample: &PoseSample| {
+        let [x, y, z, w] = sample.quaternion_xyzw;
+        let turn = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+        sample.position_m + turn * centre_m
+    };
+    let mut kept = BTreeSet::new();
+    for three in samples[begin..].windows(3) {
+        let [before_s, after_s] =
+            [0, 1].map(|at| three[at + 1].stamp.seconds_since(three[at].stamp));
+        let [first, middle, last] = [0, 1, 2].map(|at| place_m(&three[at]));
+        let fallen_m_s = scene.gravity_m_s2 * (0.5 * (before_s + after_s));
+        let jump_m_s = (last - middle) / after_s - (middle - first) / before_s - fallen_m_s;
+        // A line over a kink is off by a quarter of a frame's way at most.
+        if 0.25 * jump_m_s.norm() / frame_rate_hz > CUT_M {
+            kept.extend(three.iter().map(|sample| sample.stamp));
+        }
+    }
+    kept
 }
 
 /// Where the motion has a body at a time; `None` before it begins and after it ends.
@@ -193,8 +246,6 @@ fn interpolated(samples: &[PoseSample], at: Stamp) -> PoseSample {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::UnitQuaternion;
-
     use super::*;
 
     /// A fall with a bounce at 0.2 s whose poses are at 240 Hz.
@@ -239,7 +290,7 @@ mod tests {
     fn frames_between_those_of_the_file_are_of_the_flight_that_they_are_in() {
         let (motion, samples) = motion();
         for rate_hz in [25.0, 30.0, 1000.0, 59.94] {
-            let keys = keys(&motion, &samples, rate_hz);
+            let keys = keys(&motion, &samples, (rate_hz, BTreeSet::new()));
             assert!(keys.len() as f64 > 0.4 * rate_hz);
             for key in &keys {
                 let at_s = key.sample.stamp.seconds_since(motion.zero);
@@ -255,9 +306,34 @@ mod tests {
     }
 
     #[test]
+    fn what_is_simulated_has_keys_where_it_bounces() {
+        let (mut motion, samples) = motion();
+        motion.events.clear();
+        motion.simulated_from = Some(samples[0].stamp);
+        let scene = crate::motion::fixture::scene();
+        motion.estimates = vec![samples.clone(); scene.links.len()].into();
+        let link = LinkIndex(0);
+        let floor_m = |at_s: f64| (at_s - 0.2).abs() < 1.0 / 60.0;
+        let bounced_at = bounces(&scene, &motion, link, 24.0);
+        let times_s = bounced_at.iter().map(|at| at.seconds_since(motion.zero));
+        let times_s: Vec<f64> = times_s.collect();
+        assert!(
+            !times_s.is_empty() && times_s.iter().all(|at_s| floor_m(*at_s)),
+            "{times_s:?}"
+        );
+        let keyed = keys(&motion, &samples, (24.0, bounced_at));
+        let lowest_m = keyed.iter().map(|key| key.sample.position_m.z);
+        let lowest_m = lowest_m.fold(f64::INFINITY, f64::min);
+        assert!(lowest_m.abs() < 1e-6, "{lowest_m}");
+        // At the rate of the simulation nothing is cut off.
+        let fine = bounces(&scene, &motion, link, 2400.0);
+        assert!(fine.is_empty(), "{fine:?}");
+    }
+
+    #[test]
     fn frames_of_the_file_are_as_they_are_and_kinks_have_keys() {
         let (motion, samples) = motion();
-        let keys = keys(&motion, &samples, 24.0);
+        let keys = keys(&motion, &samples, (24.0, BTreeSet::new()));
         // 0.4 s are 9.6 frames: ten of them, the bounce, and the end.
         assert_eq!(keys.len(), 12);
         for key in &keys {

@@ -11,7 +11,7 @@ use super::document::Document;
 use super::frames::ExportedBody;
 use crate::motion::{LinkIndex, PoseSample, Scene, Stamp};
 use crate::report::ExportProvenance;
-use crate::visual::{GHOST_RGBA, Subject, patches, visuals};
+use crate::visual::{GHOST_RGBA, Subject, body_rgba, patches, visuals};
 
 /// The file. Its times begin at a frame: zero is physical time zero, or the last frame before the first
 /// key where that is earlier.
@@ -45,7 +45,8 @@ pub fn glb(
             };
             let name = scene.links[link].name.as_str();
             let geometry = file.geometry(shape, &visual.frame_from_shape);
-            file.moving(name, geometry, ("body", rgba), &body.keys);
+            let look = format!("body {name}");
+            file.moving(name, geometry, (&look, body_rgba(link)), &body.keys);
             if !body.acted.is_empty() {
                 let (name, look) = (format!("{name} acted"), ("acted", GHOST_RGBA));
                 file.moving(&name, geometry, look, &body.acted);
@@ -61,5 +62,8 @@ pub fn glb(
     extras["physical_zero_ns"] = zero.0.into();
     extras["physical_zero_s"] = file.before_s.into();
     extras["frame_rate_hz"] = frame_rate_hz.into();
+    let last = all().map(|key| key.sample.stamp).max().unwrap_or(zero);
+    let last_s = last.seconds_since(zero) + file.before_s;
+    extras["last_frame"] = (last_s * frame_rate_hz).ceil().into();
     file.finish(&scene.name, &provenance.program, extras)
 }

@@ -29,6 +29,7 @@ fuzz_target!(|bytes: &[u8]| {
             output: Some(output.clone()),
             scene,
             is_free_auto: false,
+            is_diagnosing: true,
             rate: None,
             publish: None,
             deadline: Some(Duration::from_millis(250)),
