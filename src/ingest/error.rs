@@ -52,7 +52,7 @@ pub enum IngestError {
     /// A body's topic is not in the recording.
     #[error(
         "{}: no topic {topic}, which body {body:?} of the scene wants; the recording has {}{}",
-        path.display(), listed(present), expected_topic(offered)
+        path.display(), listed(present), expected_topic(present, offered)
     )]
     TopicAbsent {
         /// The recording.
@@ -222,8 +222,9 @@ pub enum IngestError {
 }
 
 /// What to write in a scene, as the end of a sentence.
-fn expected_topic(offered: &BTreeSet<String>) -> String {
+fn expected_topic(present: &BTreeSet<String>, offered: &BTreeSet<String>) -> String {
     match offered.len() {
+        0 if present.is_empty() => String::new(),
         0 => ", none with poses that can be read".to_owned(),
         1 => format!(
             "; expected topic = {:?} in its [[body]]",
