@@ -280,7 +280,7 @@ fn messages_of_drivers_are_read_and_found_by_the_name_of_the_body() {
     let motion = motion();
     let name = || "pencil".to_owned();
     let topic = "/tracker/pencil/pose";
-    let no_markers: fn() -> Vec<(i8, i32, String, [f64; 3])> = Vec::new;
+    let no_markers = Vec::<(i8, i32, String, [f64; 3])>::new;
     for (on, message) in [
         (
             On(topic, "geometry_msgs/msg/TransformStamped", "cdr"),

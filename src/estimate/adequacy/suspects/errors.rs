@@ -2,11 +2,12 @@
 
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use super::scored::LEVEL;
 use crate::estimate::adequacy::hand::Hand;
 use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::Bins;
 
+/// Greatest probability of a suspect's score under a right value, of all together (Bonferroni).
+pub(super) const LEVEL: f64 = 1e-3;
 /// A wander that the flights may hide seldom leaves this share of the misfit to one wrong quantity,
 const ALL: f64 = 0.95;
 /// or less with a gain that is greater by so much per share.

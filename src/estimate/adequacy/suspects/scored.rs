@@ -1,7 +1,7 @@
 //! Suspects by their scores alone.
 
 use super::candidates::{Which, groups};
-use super::errors::Errors;
+use super::errors::{Errors, LEVEL};
 use super::wider::Wider;
 use crate::estimate::adequacy::score::{Extended, Scores};
 use crate::estimate::context::SolveContext;
@@ -9,9 +9,7 @@ use crate::estimate::recipe::Solution;
 use crate::motion::{FreeParameter, Quantity, Scene, Segment, Sketch, Suspect};
 use crate::optimise::kkt::Kkt;
 
-/// Greatest probability of a suspect's score under a right value, of all together (Bonferroni),
-pub(super) const LEVEL: f64 = 1e-3;
-/// or least share of the misfit that it would explain by its score.
+/// Least share of the misfit that a suspect would explain by its score, where its probability does not tell it.
 const MOST_SHARE: f64 = 0.85;
 /// Least share of the misfit that a suspect explains.
 pub(super) const LEAST_SHARE: f64 = 0.1;

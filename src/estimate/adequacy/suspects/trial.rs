@@ -1,8 +1,8 @@
 //! Suspects set free for a trial.
 
 use super::candidates::{Which, groups};
-use super::errors::Errors;
-use super::scored::{LEAST_SHARE, LEVEL};
+use super::errors::{Errors, LEVEL};
+use super::scored::LEAST_SHARE;
 use super::wider::Wider;
 use crate::estimate::adequacy::alone::Alone;
 use crate::estimate::context::SolveContext;
