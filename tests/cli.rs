@@ -724,7 +724,7 @@ fn usage_is_an_exit_code_of_its_own() {
     }
     let help = bench.enact(&["--help"]);
     assert_eq!(help.code, Some(0));
-    assert!(help.stdout.contains("3 finished but data were lost"));
+    assert!(help.stdout.contains("3 finished, but data were lost"));
 }
 
 #[test]

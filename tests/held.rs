@@ -357,7 +357,7 @@ fn a_hand_that_was_not_seen_is_an_error_that_says_where() {
     let error = Pipeline::of(nothing.scene, nothing.events).finish(&mut ());
     let error = error.expect_err("no estimate").to_string();
     assert!(
-        error.contains("racket") && error.contains("not_finite"),
+        error.contains("racket") && error.contains("not finite"),
         "{error}"
     );
 }

@@ -38,7 +38,7 @@ fn finished(scene: &Scene, events: &[TakeEvent]) -> Estimate {
 }
 
 fn fits(estimate: &Estimate) -> Option<Fits> {
-    estimate.fit.as_ref().map(|fit| fit.fits)
+    estimate.fit.as_ref().ok().map(|fit| fit.fits)
 }
 
 /// The first suspect, and those that explain as well.

@@ -100,7 +100,7 @@ fn each(
                     verdict: estimate.verdict,
                     distances: distances(&outcome),
                     times_s: asked.events.iter().map(time_s).collect(),
-                    fits: estimate.fit.as_ref().map(|fit| fit.fits),
+                    fits: estimate.fit.as_ref().ok().map(|fit| fit.fits),
                 }
             });
             all.push(passed.collect());

@@ -14,7 +14,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-ENACT = Path(__file__).parent.parent / "target/release/enact"
+BUILDS = [Path(__file__).parent.parent / "target" / build / "enact" for build in ("release", "debug")]
+ENACT = next((build for build in BUILDS if build.exists()), BUILDS[0])
 MARKS = ["--mark", "0.973813:bounce", "--mark", "1.881604:landing"]
 LIMIT_S = 60
 

@@ -120,6 +120,7 @@
 //! | `<body>.tracker.turn.x`, `<body>.tracker.turn.y`, `<body>.tracker.turn.z` | rotation of the tracker on the body, tracker axes | `_deg` | 0 | −∞, +∞ |
 //! | `<body>.clock.rate` | by how much the tracker's clock is slow: time is 1 + rate times what stamps say | `_percent` | 0 | −99, +∞ |
 //! | `<body>.clock.offset` | what to add to the tracker's stamps | `_ms` | 0 | −∞, +∞ |
+//! | `<event>.contact_duration` | how long the contact of a collision lasts, where stamps are physical times | `_ms` | 0 | 0, +∞ |
 //! | `<surface>.height` | how much higher the surface is, along its normal | `_mm` | 0 | −∞, +∞ |
 //! | `<surface>.tilt.0`, `<surface>.tilt.1` | rotation of the surface about its point | `_deg` | 0 | −∞, +∞ |
 //!

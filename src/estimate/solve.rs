@@ -22,6 +22,9 @@ use crate::motion::{
 };
 use crate::optimise::{Program, Work};
 
+/// Another optimum is taken where its objective is less than this share of the first one's.
+const BETTER: f64 = 0.9;
+
 /// An estimate with the solution from which its deviations are computed.
 #[derive(Clone, Debug)]
 pub struct Solved {
@@ -82,7 +85,8 @@ impl Solved {
         let from = (start, self.epochs_s.clone());
         let recipe = Recipe::default().from_the_last();
         let found = recipe::solve_from(problem, layout, from, &recipe, &mut Quiet(observer));
-        let is_better = found.finished.converged && found.system.cost < self.solution.system.cost;
+        let lower = BETTER * self.solution.system.cost;
+        let is_better = found.finished.converged && found.system.cost < lower;
         if !is_better {
             return false;
         }

@@ -85,11 +85,16 @@ fn is_known_to_differ(performed: &Performed) -> bool {
             .any(is_of_agreement)
 }
 
-/// Whether a doubt is about how a motion agrees with its samples and marks.
+/// Whether a doubt is about how a motion agrees with its samples and marks, where a goal may be the reason. How far it is from
+/// them stays to be said.
 fn is_of_agreement(doubt: &Doubt) -> bool {
-    doubt.about.is_distance()
-        || matches!(
-            doubt.about,
-            About::Fall | About::FallDirection | About::AfterMark | About::BeforeMark
-        )
+    matches!(
+        doubt.about,
+        About::Alone
+            | About::Misfit
+            | About::Fall
+            | About::FallDirection
+            | About::AfterMark
+            | About::BeforeMark
+    )
 }

@@ -212,7 +212,7 @@ fn each_fault_is_dropped_once_and_counted() {
         s.quaternion_xyzw[0] = f64::INFINITY
     });
     change(&mut take, TrackIndex(0), 10, |s| {
-        s.quaternion_xyzw = s.quaternion_xyzw.map(|x| x * 1.02)
+        s.quaternion_xyzw = s.quaternion_xyzw.map(|x| x * 1.2)
     });
     change(&mut take, TrackIndex(1), 11, |s| {
         s.quaternion_xyzw = [0.0; 4]
@@ -426,7 +426,7 @@ fn what_has_no_samples_is_refused() {
     }
     assert_eq!(
         failure(&broken).to_string(),
-        "body \"blue\" has no usable samples on \"/tracker/blue/pose\": 40 read, 40 not_finite"
+        "body \"blue\" has no usable samples on \"/tracker/blue/pose\": 40 read, 40 with a number that is not finite"
     );
     let mut early = take(&scene);
     early.retain(|event| {
@@ -434,7 +434,7 @@ fn what_has_no_samples_is_refused() {
     });
     assert_eq!(
         failure(&early).to_string(),
-        "body \"blue\" has no usable samples on \"/tracker/blue/pose\": 5 read, 5 before_start"
+        "body \"blue\" has no usable samples on \"/tracker/blue/pose\": 5 read, 5 before the mark of the start"
     );
 }
 

@@ -95,7 +95,7 @@ pub(super) fn doubts(
     }
     let is_no_hand = whole > HAND || is_no_hand(flights);
     // Where noise and a hand were looked at one by one, that answer counts.
-    let is_explained = estimate.fit.as_ref().is_ok_and(|fit| fit.fits != Fits::No);
+    let is_explained = estimate.fit.as_ref().is_ok_and(|fit| fit.fits == Fits::Yes);
     doubts.extend(misfit(scene, &alone).filter(|_| is_no_hand && !is_explained));
     let least_m = match scene.performer {
         // What a tracker leaves by its slow errors tells nothing of the fall.

@@ -25,6 +25,8 @@ pub(super) fn groups(scene: &Scene, which: Which) -> Vec<Vec<Quantity>> {
             {
                 false
             }
+            // It is tried beside the height of what is hit.
+            Quantity::ContactDuration { .. } => false,
             // Of one body, a force is gravity.
             Quantity::Force { .. } => !is_alone,
             _ => true,

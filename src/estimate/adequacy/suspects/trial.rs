@@ -136,7 +136,7 @@ fn trial() -> Schedule {
 
 /// What is tried though it did not score high: coefficients of friction, of which all above some
 /// value are alike where a contact sticks, from zero, where it slides, if the misfit is unlikely under any
-/// wander; restitutions where times are unknown, for with a wrong one these are far off, where a slope tells nothing; and the
+/// wander; how long contacts last where the height of what is hit scored; restitutions where times are unknown, for with a wrong one these are far off, where a slope tells nothing; and the
 /// clock's rate where gravity scored or gravity where the rate did, which are the same to a motion.
 fn unscored(
     scene: &Scene,
@@ -148,13 +148,23 @@ fn unscored(
         scored.iter().find(is_it)
     };
     let is_rate = |quantity| matches!(quantity, Quantity::ClockRate { .. });
+    let is_height = |quantity| matches!(quantity, Quantity::SurfaceHeight { .. });
     let is_gravity = |quantity| matches!(quantity, Quantity::Gravity { .. });
-    let groups = groups(scene, Which::All).into_iter();
+    let durations = scene.quantities().into_iter().filter(|quantity| {
+        let lasts = matches!(quantity, Quantity::ContactDuration { .. });
+        lasts && !scene.frees(*quantity) && scene.untold(*quantity).is_none()
+    });
+    let durations = durations.map(|quantity| vec![quantity]);
+    let groups = groups(scene, Which::All).into_iter().chain(durations);
     let others = groups.filter_map(|group| match group[..] {
         [quantity] if has_scored(&|scored| scored == quantity).is_some() => None,
         [quantity @ Quantity::Friction { .. }] => is_unlikely.then_some((quantity, 0.0, 1.0)),
         [quantity @ Quantity::Restitution { .. }] => {
             of_unknown_times.then_some((quantity, scene.value_of(quantity), 1.0))
+        }
+        [quantity @ Quantity::ContactDuration { .. }] => {
+            let height = has_scored(&is_height)?;
+            Some((quantity, scene.value_of(quantity), height.probability))
         }
         [quantity @ Quantity::ClockRate { .. }] => {
             let twin = has_scored(&is_gravity)?;
