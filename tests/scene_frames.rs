@@ -333,6 +333,8 @@ fn acted(object: &str, touching: &str, state: State, after_s: f64) -> (Value, Ve
     // The simulator of performances knows sharp corners without friction.
     let lines = text.lines().filter(|line| !line.starts_with("friction"));
     let text: String = lines.map(|line| format!("{line}\n")).collect();
+    // And it acts by a hand.
+    let text = text.replace("hand = \"none\"", "hand = \"acted\"");
     let mut scene = scene_from_toml(&text).expect("a scene");
     // It needs to know what touches; who estimates infers that where the scene does not say it.
     let features = &scene.links[LinkIndex(0)].features;
