@@ -298,7 +298,7 @@ mod tests {
             let (found, left) = found.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
             assert!(left < 0.01 * bent(&UnitQuaternion::identity()), "{left}");
             let off = (tensor(&found) - tensor(&turn)).norm();
-            assert!(off < 0.05, "{is_timed}: {off}");
+            assert!(off < 0.02, "{is_timed}: {off}");
         }
     }
 
