@@ -1,6 +1,9 @@
 //! Does a motion explain its performance, what is to blame where it does not, and what is then set
 //! free: cubes that are really thrown, with a tracker's noise and one thing wrong in the scene.
 
+use std::fs;
+use std::process::Command;
+
 use enact::motion::{Fits, Suspect, TakeEvent};
 use enact::pipeline::Outcome;
 use enact_tools::case::Case;
@@ -139,6 +142,18 @@ fn a_replay_says_what_it_set_free() {
     assert_eq!(object["suspects"][0]["quantity"], "cube.moment.x");
     assert!(account.contains("does not fit"), "{account}");
     assert!(account.contains("suspect: cube.moment.x"), "{account}");
+    let page = folder.path().join("page.html");
+    let made = Command::new(ENACT.0)
+        .arg("report")
+        .arg(ENACT.report(&path, &[]).output)
+        .arg("-o")
+        .arg(&page)
+        .status();
+    assert_eq!(made.expect("it runs").code(), Some(3));
+    let page = fs::read_to_string(page).expect("a page");
+    for said in ["suspect", "cube.moment.x", "enact replay --free auto"] {
+        assert!(page.contains(said), "{said}");
+    }
 
     let (code, account, object) = replayed(&["--free", "auto"]);
     assert_eq!(code, Some(0), "{account}");

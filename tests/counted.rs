@@ -60,6 +60,9 @@ fn fall() -> (Vec<f64>, impl Fn(f64) -> f64) {
     (bounces_s, height_m)
 }
 
+/// A take, its marks (times and names), and the events that it does not mark.
+type Marked<'a> = (&'a str, Vec<(f64, Option<&'a str>)>, &'a [&'a str]);
+
 /// A recording of it with some marks: times and names.
 fn record(path: &Path, marks: &[(f64, Option<&str>)]) {
     let (_, height_m) = fall();
@@ -108,7 +111,7 @@ fn events_without_a_mark_are_named_as_they_are_estimated() {
     let folder = folder.path();
     let (bounces_s, _) = fall();
     let all: Vec<(f64, Option<&str>)> = bounces_s.iter().map(|at| (*at, None)).collect();
-    let takes: [(&str, Vec<(f64, Option<&str>)>, &[&str]); 4] = [
+    let takes: [Marked; 4] = [
         (
             "none.mcap",
             vec![],

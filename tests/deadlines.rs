@@ -129,18 +129,19 @@ fn a_body_of_many_corners_is_verified_in_time_and_else_called_plausible() {
     };
     let corners: Vec<String> = (0..300).map(corner).collect();
     let scene = format!(
-        "name = \"hull\"\n[timing]\nstamps = \"physical\"\n[[body]]\nname = \"b\"\nmass_g = 10\n\
+        "name = \"hull\"\ngravity_m_s2 = [0, -9.80665, 0]\n[timing]\nstamps = \"physical\"\n[[body]]\nname = \"b\"\nmass_g = 10\n\
          moments_kg_m2 = [3.6e-6, 3.6e-6, 3.6e-6]\nshape = {{ kind = \"hull\", points_mm = [{}] }}\n\
          [[surface]]\nname = \"table\"\npoint_mm = [0, 0, 20]\nnormal = [0, 0, 1]\n\
          [[event]]\nname = \"landing\"\nkind = \"end\"\n",
         corners.join(", ")
     );
     fs::write(folder.path().join("hull.toml"), scene).expect("written");
-    // It flies through the table, so that every look is one into it.
+    // It flies along the table and in it, so that every look is one into it: this scene's gravity is sideways.
     let mut rows = "t_s,x_m,y_m,z_m,qw,qx,qy,qz,event\n".to_owned();
     for index in 0..=50 {
         let t_s = f64::from(index) * 0.01;
-        let _ = writeln!(rows, "{t_s},{},0,0.03,1,0,0,0,", 0.1 * t_s);
+        let fallen_m = 0.5 * 9.80665 * t_s * t_s;
+        let _ = writeln!(rows, "{t_s},{},{},0.03,1,0,0,0,", 0.1 * t_s, -fallen_m);
     }
     rows += "0.5,,,,,,,,landing\n";
     fs::write(folder.path().join("hull.csv"), rows).expect("written");

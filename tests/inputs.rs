@@ -344,7 +344,7 @@ fn what_has_no_end_is_refused_at_once() {
     for (words, expected) in [
         (
             "replay /dev/zero -o x.mcap",
-            "a pipe or a device, expected a regular file",
+            "a device, expected a regular file",
         ),
         ("replay take.mcap --scene /dev/zero -o x.mcap", "a device"),
         ("inspect /dev/zero", "a device"),

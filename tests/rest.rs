@@ -150,6 +150,40 @@ fn labels_are_turned_only_where_they_are_free_and_nothing_else_changes() {
     assert_eq!(as_acted, 1);
 }
 
+/// A die that rolls far, asked for a face that no motion near its own shows: what is offered does it.
+#[test]
+fn labels_that_would_let_it_end_as_asked_are_offered() {
+    let mut offered = 0;
+    for (seed, face) in [(5108, "+x"), (5109, "-y"), (5110, "-z")] {
+        let roll = Roll {
+            face,
+            ..Roll::of(seed)
+        };
+        let kept = replayed(&roll, seed, "");
+        let diagnosis = &kept.report["diagnoses"][0];
+        if kept.report["rest"]["reached"] == true {
+            assert_eq!(diagnosis["cause"], Value::Null, "{seed}: {diagnosis}");
+            continue;
+        }
+        offered += 1;
+        assert_eq!(kept.code, Some(3));
+        assert_eq!(
+            diagnosis["cause"], "goal_labels",
+            "{seed}: {}",
+            kept.account
+        );
+        assert_eq!(diagnosis["key"], "goal.labels");
+        let sentence = diagnosis["sentence"].as_str().expect("a sentence");
+        let said = format!("  likely: {sentence}");
+        assert!(kept.account.contains(&said), "{}", kept.account);
+        let value = diagnosis["value"].as_str().expect("a value");
+        let freed = replayed(&roll, seed, &format!("labels = {value}\n"));
+        assert_eq!(freed.report["rest"]["reached"], true, "{}", freed.account);
+        assert!(off_deg(&freed.last, face) < 0.1, "{seed}");
+    }
+    assert!(offered > 0, "every die was led to its face");
+}
+
 #[test]
 fn motions_from_whitened_states_cost_what_they_say() {
     for (seed, stamps, acting) in [

@@ -19,7 +19,7 @@ use std::collections::BTreeSet;
 use nalgebra::Vector3;
 
 use self::alone::Alone;
-use self::part::PartTest;
+use self::part::{Part, PartTest};
 use self::suspects::{Errors, Which};
 use super::context::SolveContext;
 use super::covariance::bins::{Bins, Residuals, Six};
@@ -28,7 +28,7 @@ use super::point::Point;
 use super::problem::{Problem, View};
 use super::recipe::Solution;
 use crate::motion::{
-    Fit, FitUntold, Fits, Observer, Performer, Place, Scene, Segment, Sketch, Suspect, Tested,
+    Fit, FitUntold, Fits, Observer, Performer, Scene, Segment, Sketch, Suspect, Tested,
 };
 
 /// Below this probability of the data under the model they do not fit; above, they may.
@@ -72,7 +72,10 @@ pub fn judge(
     let problem = context.problem;
     let alone = Alone::new(context, &solution.point, &solution.system);
     let alone = alone.ok_or(FitUntold::FewSamples)?;
-    let mut tests = tests(context, &alone, solution);
+    let mut tests = tests(context, &alone, solution, observer);
+    if observer.should_stop() {
+        return Err(FitUntold::Stopped);
+    }
     if tests.is_empty() {
         return Err(FitUntold::FewSamples);
     }
@@ -96,7 +99,8 @@ pub fn judge(
         by_noise >= WELL || is_hand && by_hand >= likely
     };
     if problem.times_are_unknown() && !is_explained(&fit) {
-        tests = kinder(context, (&alone, tests), solution).ok_or(FitUntold::FewSamples)?;
+        tests =
+            kinder(context, (&alone, tests), solution, observer).ok_or(FitUntold::FewSamples)?;
         fit.parts = tests.iter().map(|test| test.fit.clone()).collect();
     }
     let [by_noise, by_hand] = fit.probabilities();
@@ -135,6 +139,9 @@ pub fn judge(
         let of = (scored, &noise, &alone);
         suspects::tried((context, solution), posed, of, observer)
     });
+    if observer.should_stop() {
+        return Err(FitUntold::Stopped);
+    }
     let (suspects, start) = tried.map_or((Vec::new(), None), |of| (of.suspects, of.start));
     fit.fits = match () {
         () if by_hand < not || problem.performer == Performer::Nobody => Fits::No,
@@ -149,22 +156,31 @@ pub fn judge(
 }
 
 /// The tests of events, at the flights by themselves or as predicted at the motion, and of flights that end at none of
-/// these.
-fn tests(context: &SolveContext, alone: &Alone, solution: &Solution) -> Vec<PartTest> {
+/// these; those that are made before the run is to end.
+fn tests(
+    context: &SolveContext,
+    alone: &Alone,
+    solution: &Solution,
+    observer: &mut dyn Observer,
+) -> Vec<PartTest> {
     let problem = context.problem;
     let events = 0..problem.event_is_free.len();
-    let test = |event| event::test(context, alone, (event, &solution.multipliers));
+    let test = |event| {
+        let has_time = !observer.should_stop();
+        has_time.then(|| event::test(context, alone, (event, &solution.multipliers)))?
+    };
     let mut tests: Vec<PartTest> = events.filter_map(test).collect();
     let is_tested = |arc: usize| {
-        let mut places = tests.iter().map(|test| &test.fit.place);
-        places.any(|place| matches!(place, Place::Event(event) if event::flights(problem, *event).contains(&arc)))
+        let mut parts = tests.iter().map(|test| test.part);
+        parts.any(|part| matches!(part, Part::Event(event) if event::flights(problem, event).contains(&arc)))
     };
     let lone: Vec<usize> = (0..problem.arcs.len())
         .filter(|arc| !is_tested(*arc))
         .collect();
-    let of_flights = lone
-        .into_iter()
-        .filter_map(|arc| flight::test(context, alone, arc));
+    let of_flights = lone.into_iter().filter_map(|arc| {
+        let has_time = !observer.should_stop();
+        has_time.then(|| flight::test(context, alone, arc))?
+    });
     tests.extend(of_flights);
     tests
 }
@@ -174,6 +190,7 @@ fn kinder(
     context: &SolveContext,
     (alone, mut tests_alone): (&Alone, Vec<PartTest>),
     solution: &Solution,
+    observer: &mut dyn Observer,
 ) -> Option<Vec<PartTest>> {
     let predicted = Alone::predicted(context, &solution.point, &solution.system, &alone.errors)?;
     let better = |test: &mut Tested, other: Tested| {
@@ -181,12 +198,12 @@ fn kinder(
             *test = other
         }
     };
-    for (test, predicted) in tests_alone
-        .iter_mut()
-        .zip(tests(context, &predicted, solution))
-    {
-        better(&mut test.fit.by_noise, predicted.fit.by_noise);
-        better(&mut test.fit.by_hand, predicted.fit.by_hand);
+    let predicted = tests(context, &predicted, solution, observer);
+    for test in &mut tests_alone {
+        if let Some(predicted) = predicted.iter().find(|other| other.part == test.part) {
+            better(&mut test.fit.by_noise, predicted.fit.by_noise);
+            better(&mut test.fit.by_hand, predicted.fit.by_hand);
+        }
     }
     Some(tests_alone)
 }

@@ -154,6 +154,18 @@ pub enum QuaternionSlip {
 }
 
 impl Remedy {
+    /// How many of its numbers are fitted to the performance.
+    pub fn fitted(&self) -> usize {
+        match self {
+            Remedy::Mount { slip, .. } => {
+                3 * (usize::from(slip.is_turned()) + usize::from(slip.is_fitted()))
+            }
+            Remedy::Origin { .. } => 3,
+            Remedy::Surface { .. } | Remedy::Tempo { .. } | Remedy::FrameNumbers { .. } => 1,
+            _ => 0,
+        }
+    }
+
     /// The remedy with a place moved [m, world; of a mount in its link's axes]; `None` where it has none.
     pub fn moved(&self, by_m: &Vector3<f64>) -> Option<Self> {
         let mut moved = self.clone();

@@ -27,7 +27,9 @@ use self::fall::falls;
 use self::motion::{Motion, as_delivered, flights_by_stamps, misfit};
 use self::remedied::remedied;
 use super::outcome::Outcome;
-use crate::motion::{About, Diagnosis, Observer, Phase, Remedy, Scene, TakeEvent, Timing, Verdict};
+use crate::motion::{
+    About, Diagnosis, Fits, Observer, Phase, Remedy, Scene, TakeEvent, Timing, Verdict,
+};
 use crate::physics::contact;
 
 /// Greatest distance from the samples in the scene's weights of a motion that is not looked into: a hand
@@ -40,6 +42,8 @@ const FAR: f64 = 3.5;
 const GAIN: f64 = 2.0;
 /// Greatest distance with a remedy, in the scene's weights.
 const EXPLAINED: f64 = 5.0;
+/// Remedies whose distances differ by less than this ratio explain alike; the simplest of them is said.
+const ALIKE: f64 = 1.25;
 /// A motion this many times as far as its flights one by one leaves nothing to explain.
 const ALL: f64 = 1.3;
 /// Least and greatest step of a remedy's value \[m\].
@@ -58,7 +62,8 @@ pub(super) fn diagnose(
     (outcome, work): (Option<&Outcome>, usize),
     observer: &mut dyn Observer,
 ) -> Vec<Diagnosis> {
-    if outcome.is_some_and(|outcome| is_well(outcome, NEAR)) || observer.should_stop() {
+    let is_settled = |outcome: &Outcome| is_explained(outcome) || is_well(outcome, NEAR);
+    if outcome.is_some_and(is_settled) || observer.should_stop() {
         return Vec::new();
     }
     observer.phase(Phase::Diagnose);
@@ -120,9 +125,25 @@ pub(super) fn diagnose(
             break;
         }
     }
+    likeliest(found)
+}
+
+/// Of remedies with what they leave the one that leaves least, or another that leaves hardly more and has fewer numbers
+/// that were fitted to the performance.
+fn likeliest(mut found: Vec<(f64, Diagnosis)>) -> Vec<Diagnosis> {
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    found.truncate(1);
-    found.into_iter().map(|(_, diagnosis)| diagnosis).collect()
+    let most = ALIKE * found.first().map_or(0.0, |(left, _)| *left);
+    let alike = found.into_iter().take_while(|(left, _)| *left <= most);
+    let diagnoses = alike.map(|(_, diagnosis)| diagnosis);
+    diagnoses
+        .min_by_key(|diagnosis| diagnosis.remedy.fitted())
+        .into_iter()
+        .collect()
+}
+
+/// Whether a motion leaves nothing of its samples to explain, whatever else is doubted.
+fn is_explained(outcome: &Outcome) -> bool {
+    is_motion(outcome) && outcome.estimate.fits() == Fits::Yes
 }
 
 /// Whether nothing speaks against an outcome, and its motion is not too far from the samples, in the scene's

@@ -1,6 +1,6 @@
-//! The one door to files that are read: nothing is opened that is not a regular file.
+//! The door to files that are found: nothing is opened that is not a regular file.
 //!
-//! A pipe by name would be waited for, for good where nobody writes to it; a device may never end.
+//! A pipe would be waited for, for good where nobody writes to it; a device may never end.
 
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, Read};
@@ -32,6 +32,15 @@ pub fn is_there(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|of| of.is_file())
 }
 
+/// Whether there is a pipe by name.
+pub fn is_fifo(path: &Path) -> bool {
+    #[cfg(unix)]
+    return std::fs::metadata(path)
+        .is_ok_and(|of| std::os::unix::fs::FileTypeExt::is_fifo(&of.file_type()));
+    #[cfg(not(unix))]
+    false
+}
+
 fn check(of: &Metadata) -> io::Result<()> {
     if of.is_file() {
         return Ok(());
@@ -42,7 +51,7 @@ fn check(of: &Metadata) -> io::Result<()> {
             "it is a folder, expected a file",
         ));
     } else {
-        "it is a pipe or a device, expected a regular file; a recording may come by stdin, `-`"
+        "it is a pipe or a device, expected a regular file"
     };
     Err(io::Error::new(io::ErrorKind::InvalidInput, what))
 }

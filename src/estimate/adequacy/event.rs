@@ -23,7 +23,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::alone::Alone;
 use super::hand::{Hand, Kind};
-use super::part::{self, PartTest};
+use super::part::{self, Part, PartTest};
 use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::{self, Bins, Residuals, Six};
 use crate::estimate::covariance::noise;
@@ -85,8 +85,8 @@ pub(super) fn test(
         &products.covariance(white, Some(&hands)),
         bins.dimension().saturating_sub(absorbed.len()),
     )?;
-    let place = Place::Event(event);
-    Some(PartTest::new(place, (white, &hands), by_noise, by_hand))
+    let part = (Part::Event(event), Place::Event(event));
+    Some(PartTest::new(part, (white, &hands), by_noise, by_hand))
 }
 
 /// The flights that begin or end at an event, and those that pass through it.

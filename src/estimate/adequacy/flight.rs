@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::alone::Alone;
 use super::hand::Hand;
-use super::part::{self, PartTest};
+use super::part::{self, Part, PartTest};
 use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::{Bins, Six};
 use crate::estimate::covariance::noise;
@@ -83,7 +83,8 @@ pub(super) fn test(context: &SolveContext, alone: &Alone, arc: usize) -> Option<
         mechanism: problem.arcs[arc].mechanism,
         start_s: times_s.fold(f64::INFINITY, f64::min),
     };
-    Some(PartTest::new(place, (white, &hands), by_noise, by_hand))
+    let part = (Part::Flight(arc), place);
+    Some(PartTest::new(part, (white, &hands), by_noise, by_hand))
 }
 
 /// `yᵀ (1 + K)⁻¹ y` of one column.

@@ -10,8 +10,18 @@ use crate::estimate::covariance::bins::{Bins, Residuals, Six};
 use crate::estimate::covariance::trace::Design;
 use crate::motion::{PartFit, Performer, Place, Tested};
 
+/// What is tested.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    /// Index into `Scene::events`.
+    Event(usize),
+    /// Index into `Problem::arcs`.
+    Flight(usize),
+}
+
 /// A test with the noise that it was made under, in squared units of positions and orientations.
 pub(super) struct PartTest {
+    pub(super) part: Part,
     pub(super) fit: PartFit,
     pub(super) white: [f64; 2],
     /// Variances of the hand's wander.
@@ -19,14 +29,15 @@ pub(super) struct PartTest {
 }
 
 impl PartTest {
-    /// The test of a place by noise and by a hand.
+    /// The test of a part, at its place, by noise and by a hand.
     pub(super) fn new(
-        place: Place,
+        (part, place): (Part, Place),
         (white, hands): ([f64; 2], &[Hand; 2]),
         by_noise: Tested,
         by_hand: Tested,
     ) -> Self {
         Self {
+            part,
             wander: [0, 1].map(|kind| hands[kind].variance),
             white,
             fit: PartFit {

@@ -5,7 +5,7 @@
 //! the tensor `J = Eᵀ I E` of the wrong axes
 //!
 //! ```text
-//! S_k = Σ_{i<k} R̂_i J φ_i = L t_k + c,    φ_i = log(R̂_iᵀ R̂_{i+1})
+//! S_k = Σ_{i<k} R̂_i exp(φ_i/2) J φ_i = L t_k + c,    φ_i = log(R̂_iᵀ R̂_{i+1})
 //! ```
 //!
 //! is a straight line: linear in `J`, in steady time where stamps are physical. Noise adds as much for every `E`.
@@ -199,7 +199,7 @@ impl Bend {
         let mut rows = vec![sum];
         for pair in turns.windows(2) {
             let turned = log(&(pair[0].1.inverse() * pair[1].1));
-            sum += matrix(&pair[0].1) * acting_on(&turned);
+            sum += matrix(&(pair[0].1 * exp(&(0.5 * turned)))) * acting_on(&turned);
             rows.push(sum);
         }
         // What is left of the mean, and of steady time where that is known.

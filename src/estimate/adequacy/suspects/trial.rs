@@ -47,6 +47,9 @@ pub(in crate::estimate::adequacy) fn tried(
     let cost = solution.system.cost;
     let mut lowest: Option<(f64, Point)> = None;
     let tried = scored.into_iter().filter_map(|suspect| {
+        if observer.should_stop() {
+            return None;
+        }
         let values = suspect.values.iter();
         let free = values.map(|(quantity, value)| scene.freed(*quantity, *value));
         let wider = Wider::new(context, (scene, sketch, segments), free.collect());
