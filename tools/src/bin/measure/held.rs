@@ -293,10 +293,7 @@ fn judged(seed: u64, take: &HeldTake) -> Played {
     let Ok(outcome) = outcome else { return played };
     let estimate = &outcome.estimate;
     played.verdict = estimate.verdict.as_str();
-    played.fits = estimate
-        .fit
-        .as_ref()
-        .map_or("unknown", |fit| fit.fits.as_str());
+    played.fits = estimate.fits().as_str();
     if estimate.verdict == Verdict::Failed {
         return played;
     }

@@ -136,7 +136,7 @@ impl Answered {
         self.doubts = distinct(names);
         let open = estimate.undetermined.iter().filter(|_| is_motion);
         self.undetermined = distinct(open.map(|of| open_name(scene, of)));
-        self.fits = estimate.fit.as_ref().ok().map(|fit| fit.fits.as_str());
+        self.fits = estimate.fit.is_ok().then(|| estimate.fits().as_str());
         let first = estimate.suspects.first();
         let first = first.and_then(|of| of.values.first());
         self.suspect = first.map(|(quantity, _)| scene.name_of_quantity(*quantity));

@@ -64,7 +64,7 @@ impl Said {
         Self {
             of,
             is_motion: estimate.verdict != Verdict::Failed,
-            fits: estimate.fit.as_ref().ok().map(|fit| fit.fits.as_str()),
+            fits: estimate.fit.is_ok().then(|| estimate.fits().as_str()),
             is_first: first.is_some_and(is_culprit),
             is_named: rivals.any(is_culprit),
             suspects: suspects

@@ -86,7 +86,7 @@ impl Question<'_> {
         Answer {
             verdict: estimate.verdict.as_str(),
             is_physical: estimate.verdict == Verdict::Physical,
-            fits: estimate.fit.as_ref().map_or("–", |fit| fit.fits.as_str()),
+            fits: estimate.fits().as_str(),
             said: said(&outcome),
             checked: is_there.then(|| {
                 let samples = (self.samples, self.count);
