@@ -158,8 +158,10 @@ fn a_body_of_many_corners_is_verified_in_time_and_else_called_plausible() {
     for limit in ["300ms", LIMIT] {
         let arguments = ["replay", "hull.mcap", "-o", "o.mcap", "--deadline", limit];
         let output = enact(&folder, &arguments);
-        assert_ne!(output.status.code(), Some(0), "{}", said(&output));
-        assert!(!said(&output).contains("physical"), "{}", said(&output));
+        let said = said(&output);
+        assert_ne!(output.status.code(), Some(0), "{said}");
+        let first = said.lines().next().unwrap_or_default();
+        assert!(!first.contains("physical"), "{said}");
     }
 }
 

@@ -9,6 +9,9 @@ use super::perform::{Performed, Prepared};
 use crate::motion::{About, Doubt, Fits, Observer, Place, Suspect, TakeEvent, Verdict};
 use crate::verify::credible;
 
+/// Greatest ratio of the distances from the samples with goals and without that is no other motion.
+const FARTHER: f64 = 1.5;
+
 /// By how much goals lead a motion away from its performance.
 pub(super) struct Led {
     doubt: Doubt,
@@ -17,7 +20,8 @@ pub(super) struct Led {
 }
 
 impl Led {
-    /// What goals cost, if a motion is known to differ from its performance and the same without its goals is not.
+    /// What goals cost, if a motion may differ from its performance and the same without its goals is much nearer and
+    /// not known to.
     pub(super) fn of(
         performed: &Performed,
         events: &[TakeEvent],
@@ -25,8 +29,9 @@ impl Led {
     ) -> Result<Option<Self>, PipelineError> {
         let scene = &performed.inferred.scene;
         let estimate = &performed.inferred.solved.estimate;
-        let is_asked = !estimate.suspects.is_empty() || is_known_to_differ(performed);
-        if scene.goals.is_empty() || estimate.verdict == Verdict::Failed || !is_asked {
+        let is_well = estimate.fit.as_ref().is_ok_and(|fit| fit.fits == Fits::Yes)
+            && !is_known_to_differ(performed);
+        if scene.goals.is_empty() || estimate.verdict == Verdict::Failed || is_well {
             return Ok(None);
         }
         let mut free = scene.clone();
@@ -39,18 +44,15 @@ impl Led {
         let without = without.inferred.solved.estimate;
         let first = scene.goals[0].event;
         let is_one = scene.goals.iter().all(|goal| goal.event == first);
+        let place = match is_one {
+            true => Place::Event(first),
+            false => Place::Motion,
+        };
         let ratio = estimate.objective / without.objective.max(f64::MIN_POSITIVE);
-        Ok(Some(Self {
+        let doubt = Doubt::beyond(About::Led, place, ratio.sqrt(), FARTHER);
+        Ok(doubt.map(|doubt| Self {
             suspects: without.suspects,
-            doubt: Doubt {
-                about: About::Led,
-                place: match is_one {
-                    true => Place::Event(first),
-                    false => Place::Motion,
-                },
-                value: ratio.sqrt(),
-                bound: 1.0,
-            },
+            doubt,
         }))
     }
 
@@ -65,9 +67,13 @@ impl Led {
         }
     }
 
-    /// The doubts without those of which the goals are the reason, and with what they cost.
+    /// The doubts without those of which the goals are the reason, and with what they cost. What is so far from its
+    /// samples that others fit as well stays doubted for that.
     pub(super) fn instead_of(self, doubts: Vec<Doubt>) -> Vec<Doubt> {
-        let others = doubts.into_iter().filter(|doubt| !is_of_agreement(doubt));
+        let is_far = doubts.iter().any(|doubt| doubt.about == About::Ambiguity);
+        let stays =
+            |doubt: &Doubt| !is_of_agreement(doubt) || is_far && doubt.about == About::Misfit;
+        let others = doubts.into_iter().filter(stays);
         others.chain([self.doubt]).collect()
     }
 }
