@@ -235,7 +235,7 @@ fn every_object_becomes_a_scene_that_is_checked() {
                 let normal = nalgebra::Vector3::ith(axis, 1.0);
                 let size_m = -height_m(normal) - height_m(-normal);
                 assert!(
-                    (5e-3..0.3).contains(&size_m),
+                    (2e-3..0.7).contains(&size_m),
                     "{} {axis}: {size_m} m",
                     preset.name
                 );

@@ -68,12 +68,11 @@ impl Led {
     }
 
     /// The doubts without those of which the goals are the reason, and with what they cost. What is so far from its
-    /// samples that others fit as well stays doubted for that.
+    /// samples that other motions may fit as well stays doubted for all.
     pub(super) fn instead_of(self, doubts: Vec<Doubt>) -> Vec<Doubt> {
         let is_far = doubts.iter().any(|doubt| doubt.about == About::Ambiguity);
-        let stays =
-            |doubt: &Doubt| !is_of_agreement(doubt) || is_far && doubt.about == About::Misfit;
-        let others = doubts.into_iter().filter(stays);
+        let others = doubts.into_iter();
+        let others = others.filter(|doubt| is_far || !is_of_agreement(doubt));
         others.chain([self.doubt]).collect()
     }
 }

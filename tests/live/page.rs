@@ -243,8 +243,8 @@ fn watching_is_not_directing_and_names_are_looked_at() {
         "{said}"
     );
     // What is thrown away can be had back.
-    let (status, _) = order(&url, Some(own), Some(&token), r#"{"command":"discard"}"#);
-    assert_eq!(status, 202);
+    let (status, why) = order(&url, Some(own), Some(&token), r#"{"command":"discard"}"#);
+    assert_eq!(status, 202, "{why}");
     let discarded = daemon.wait_for("discarded");
     let kept = house.path(discarded["recording"].as_str().expect("a path"));
     assert!(

@@ -110,6 +110,7 @@ const KEYS: &[(&str, &str, Option<&str>, &str, &str)] = &[
         "top",
     ),
     ("The whole file", "marks_topic", None, "\"/other\"", "top"),
+    ("The whole file", "tolerance_mm", None, "2", "top"),
     ("The whole file", "velocity_gaps", None, "\"never\"", "top"),
     ("[[body]]", "friction", None, "0.1", "[[body]]"),
     ("[[body]]", "friction_sd", None, "0.1", "[[body]]"),
@@ -207,7 +208,7 @@ const KEYS: &[(&str, &str, Option<&str>, &str, &str)] = &[
         "3",
         "[weights]",
     ),
-    ("[weights]", "position_mm", None, "20", "[weights]"),
+    ("[weights]", "position_mm", Some("10"), "20", "[weights]"),
 ];
 
 /// Tables, keys and defaults of the reference.

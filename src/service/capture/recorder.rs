@@ -68,7 +68,11 @@ impl Recorder {
 
     fn take_in(&self, state: &mut RecorderState, arrival: &Arrival) {
         match &arrival.what {
-            Arrived::Control(record) => return self.control(state, record),
+            Arrived::Control(record) => {
+                self.control(state, record);
+                self.show(state, Instant::now());
+                return;
+            }
             Arrived::Label(record) => {
                 let taken = match &mut state.take {
                     Some(take) => take.label.take(record),

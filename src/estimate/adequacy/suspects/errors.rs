@@ -10,8 +10,10 @@ use crate::estimate::covariance::bins::Bins;
 pub(super) const LEVEL: f64 = 1e-3;
 /// A wander that the flights may hide seldom leaves this share of the misfit to one wrong quantity,
 const ALL: f64 = 0.95;
-/// or less with a gain that is greater by so much per share.
+/// or less with a gain that is greater by so much per share: more where flights show a wander that is likely to leave
+/// what is left.
 const GAIN_PER_SHARE: f64 = 900.0;
+const GAIN_PER_SHARE_OF_HAND: f64 = 4000.0;
 /// Greatest probability of a gain under right values where times are unknown: a wander's means are not independent.
 const LEVEL_OF_TIMES: f64 = 1e-5;
 /// Unknowns of a flight's state.
@@ -55,8 +57,11 @@ impl Errors<'_> {
     /// to look like it.
     pub(super) fn is_alone(&self, explains: f64, ratio: f64, quantities: usize) -> bool {
         let lacks = (ALL - explains).max(0.0);
-        let gain = self.gain_under_wander(ratio, quantities);
-        (lacks == 0.0 || !self.is_likely) && gain >= -2.0 * LEVEL.ln() + GAIN_PER_SHARE * lacks
+        let per_share = match self.is_likely {
+            true => GAIN_PER_SHARE_OF_HAND,
+            false => GAIN_PER_SHARE,
+        };
+        self.gain_under_wander(ratio, quantities) >= -2.0 * LEVEL.ln() + per_share * lacks
     }
 
     /// Whether an objective that becomes so many times less by one quantity shows more than a wander of any size would,

@@ -55,9 +55,14 @@ impl Recorder {
             state.is_over = false;
         }
         if now.duration_since(state.said) >= STATUS {
-            state.said = now;
-            self.status.send_replace(state.status(now));
+            self.show(state, now);
         }
+    }
+
+    /// Shows how everything stands, which is what orders are checked against.
+    pub(super) fn show(&self, state: &mut RecorderState, now: Instant) {
+        state.said = now;
+        self.status.send_replace(state.status(now));
     }
 
     /// Says which trackers have fallen silent, and which are there again.
