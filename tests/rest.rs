@@ -154,14 +154,15 @@ fn labels_are_turned_only_where_they_are_free_and_nothing_else_changes() {
 #[test]
 fn labels_that_would_let_it_end_as_asked_are_offered() {
     let mut offered = 0;
-    for (seed, face) in [(5108, "+x"), (5109, "-y"), (5110, "-z")] {
+    for (seed, face) in [(5108, "+x"), (5109, "-y")] {
         let roll = Roll {
             face,
             ..Roll::of(seed)
         };
         let kept = replayed(&roll, seed, "");
         let diagnosis = &kept.report["diagnoses"][0];
-        if kept.report["rest"]["reached"] == true {
+        let is_reached = kept.report["rest"]["reached"] == true;
+        if is_reached && kept.report["verdict"] == "physical" {
             assert_eq!(diagnosis["cause"], Value::Null, "{seed}: {diagnosis}");
             continue;
         }

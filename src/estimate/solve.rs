@@ -17,7 +17,7 @@ use super::point::Point;
 use super::problem::Problem;
 use super::recipe::{self, Recipe, Solution};
 use crate::motion::{
-    Counters, Estimate, FitUntold, Guess, Observer, Phase, Quiet, Scene, Segment, Sketch,
+    Counters, End, Estimate, FitUntold, Guess, Observer, Phase, Quiet, Scene, Segment, Sketch,
     VelocityGaps, Verdict,
 };
 use crate::optimise::{Program, Work};
@@ -40,7 +40,8 @@ pub struct Solved {
 impl Solved {
     /// Looks whether the motion explains the performance, and what in the scene may be wrong where it
     /// does not. One that failed explains nothing.
-    /// Where that hints at a better optimum the motion there is looked for, and judged instead.
+    /// Where that hints at a better optimum the motion there is looked for, and judged instead; one that was led to its
+    /// rest is no optimum, and stays.
     pub fn judge(&mut self, performed: (&Scene, &Sketch, &[Segment]), observer: &mut dyn Observer) {
         if self.estimate.verdict == Verdict::Failed {
             self.estimate.fit = Err(FitUntold::NoMotion);
@@ -53,6 +54,8 @@ impl Solved {
         observer.phase(Phase::Adequacy);
         let mut judged = self.judged(performed, observer);
         let start = judged.as_mut().ok().and_then(|judged| judged.start.take());
+        let is_led = matches!(self.estimate.reason.end, End::Simulated(_));
+        let start = start.filter(|_| !is_led);
         if start.is_some_and(|start| self.improve(performed, start, observer)) {
             judged = self.judged(performed, observer);
         }

@@ -7,7 +7,6 @@
 use super::outcome::PipelineError;
 use super::perform::{Performed, Prepared};
 use crate::motion::{About, Doubt, Fits, Observer, Place, Suspect, TakeEvent, Verdict};
-use crate::verify::credible;
 
 /// Greatest ratio of the distances from the samples with goals and without that is no other motion.
 const FARTHER: f64 = 1.5;
@@ -80,14 +79,9 @@ impl Led {
 /// Whether a motion is known to differ from its performance: it does not fit, or a doubt says so.
 fn is_known_to_differ(performed: &Performed) -> bool {
     let estimate = &performed.inferred.solved.estimate;
-    let scene = &performed.inferred.scene;
-    let posed = (&scene.as_estimated(estimate), scene);
-    let marks_made_s = &performed.marks_made_s;
     estimate.verdict == Verdict::Failed
         || estimate.fit.as_ref().is_ok_and(|fit| fit.fits == Fits::No)
-        || credible::doubts(posed, &performed.sketch, marks_made_s, estimate)
-            .iter()
-            .any(is_of_agreement)
+        || performed.doubts().iter().any(is_of_agreement)
 }
 
 /// Whether a doubt is about how a motion agrees with its samples and marks, where a goal may be the reason. How far it is from

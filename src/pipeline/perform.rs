@@ -7,9 +7,10 @@ use super::infer::Inferred;
 use super::outcome::{Outcome, PipelineError};
 use super::stages::{Cut, account, cut, solve};
 use crate::motion::{
-    GoalTarget, Observer, Phase, Sample, SampleCounts, Scene, Segment, Sketch, TakeEvent,
+    Doubt, GoalTarget, Observer, Phase, Sample, SampleCounts, Scene, Segment, Sketch, TakeEvent,
     TrackIndex,
 };
+use crate::verify::credible;
 use crate::{estimate, initialise, segment};
 
 /// A take that is cleaned and cut.
@@ -35,6 +36,13 @@ impl Performed {
     /// What the motion is an estimate of.
     pub(super) fn posed(&self) -> (&Scene, &Sketch, &[Segment]) {
         (&self.inferred.scene, &self.sketch, &self.segments)
+    }
+
+    /// Whether and why the motion is doubted for how it is as a performance.
+    pub(super) fn doubts(&self) -> Vec<Doubt> {
+        let Inferred { scene, solved, .. } = &self.inferred;
+        let posed = (&scene.as_estimated(&solved.estimate), scene);
+        credible::doubts(posed, &self.sketch, &self.marks_made_s, &solved.estimate)
     }
 
     /// Looks whether the motion explains the performance.

@@ -1,8 +1,8 @@
 //! Goals at rest: a motion whose continuation comes to rest as the scene asks.
 //!
 //! Where the motion that fits best does not, labels that are free are turned ([`labels`]); else the
-//! nearest motion that does is searched for ([`search`]). Where none is found, labels that are not free are turned
-//! too, and that is offered.
+//! nearest motion that does is searched for ([`search`]). Where none is found, or one that is doubted, labels that are not
+//! free are turned too, and that is offered.
 
 mod labels;
 mod search;
@@ -69,9 +69,14 @@ pub(super) fn seek(
         *take = again;
         return Some(sought);
     }
-    match search(take, limit_s, work, &mut Quiet(observer)) {
-        Some(found) => take.inferred.solved = found,
-        None => sought.offered = offered(&scene, events, &settled, work, observer),
+    let found = search(take, limit_s, work, &mut Quiet(observer));
+    let is_well = found.is_some_and(|found| {
+        take.inferred.solved = found;
+        let mut doubts = take.doubts().into_iter();
+        doubts.all(|doubt| doubt.about.best() == Verdict::Physical)
+    });
+    if !is_well {
+        sought.offered = offered(&scene, events, &settled, work, observer);
     }
     Some(sought)
 }

@@ -70,7 +70,7 @@ impl Recorder {
         match &arrival.what {
             Arrived::Control(record) => {
                 self.control(state, record);
-                self.show(state, Instant::now());
+                self.say_status(state, Instant::now());
                 return;
             }
             Arrived::Label(record) => {

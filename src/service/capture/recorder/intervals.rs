@@ -55,12 +55,12 @@ impl Recorder {
             state.is_over = false;
         }
         if now.duration_since(state.said) >= STATUS {
-            self.show(state, now);
+            self.say_status(state, now);
         }
     }
 
     /// Shows how everything stands, which is what orders are checked against.
-    pub(super) fn show(&self, state: &mut RecorderState, now: Instant) {
+    pub(super) fn say_status(&self, state: &mut RecorderState, now: Instant) {
         state.said = now;
         self.status.send_replace(state.status(now));
     }
