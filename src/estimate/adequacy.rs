@@ -10,6 +10,7 @@ mod alone;
 mod event;
 mod flight;
 pub(super) mod hand;
+mod leaning;
 mod part;
 mod score;
 mod suspects;
@@ -17,6 +18,8 @@ mod suspects;
 use std::collections::BTreeSet;
 
 use nalgebra::Vector3;
+
+pub use self::leaning::leanings;
 
 use self::alone::Alone;
 use self::part::{Part, PartTest};

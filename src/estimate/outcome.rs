@@ -108,6 +108,7 @@ fn events(
             at_bound: time_bound(problem, point, event),
             acted_s: sketch.marks_s[event],
             gap: gap(problem, &solution.system, event),
+            leaning: None,
         })
         .collect()
 }

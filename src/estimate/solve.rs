@@ -63,6 +63,14 @@ impl Solved {
             self.estimate.suspects = judged.suspects;
             judged.fit
         });
+        let leanings = {
+            let point = &self.solution.point;
+            let context = self.posed.context(self.epochs_s.clone(), point);
+            adequacy::leanings((&context, &self.solution), performed)
+        };
+        for (event, leaning) in self.estimate.events.iter_mut().zip(leanings) {
+            event.leaning = leaning;
+        }
     }
 
     fn judged(

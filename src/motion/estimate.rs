@@ -10,6 +10,7 @@ use super::index::{LinkIndex, MechanismIndex, TrackIndex};
 use super::joined::TreeEstimate;
 use super::reason::{End, Reason};
 use super::sample_time::SampleTime;
+use super::scene::Quantity;
 use super::suspect::Suspect;
 use super::verdict::Verdict;
 use crate::physics::State;
@@ -74,6 +75,22 @@ pub struct EventEstimate {
     pub acted_s: f64,
     /// Remaining violations of the constraints at it.
     pub gap: Gap,
+    /// The guess of the scene on which its time leans most, where times are unknown.
+    pub leaning: Option<Leaning>,
+}
+
+/// How an event's estimated time leans on a value that the scene keeps fixed: its standard deviation supposes that
+/// value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leaning {
+    /// What is guessed.
+    pub quantity: Quantity,
+    /// Its value in the scene, in the quantity's unit,
+    pub value: f64,
+    /// a change of it by which guesses are usually off,
+    pub change: f64,
+    /// and by how much later the event is with that, to first order \[s\].
+    pub later_s: f64,
 }
 
 /// The duration of the motion.

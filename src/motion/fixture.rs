@@ -96,6 +96,7 @@ pub(crate) fn estimate() -> Estimate {
         at_bound: None,
         acted_s,
         gap: Gap::default(),
+        leaning: None,
     };
     Estimate {
         verdict: Verdict::Physical,

@@ -42,8 +42,8 @@ pub use diagnosis::{
 };
 pub use doubt::{About, Doubt, Place};
 pub use estimate::{
-    ArcEstimate, AtBound, Counters, DurationEstimate, Estimate, EventEstimate, Gap, MotionPart,
-    ParameterEstimate, SegmentResidual, Undetermined,
+    ArcEstimate, AtBound, Counters, DurationEstimate, Estimate, EventEstimate, Gap, Leaning,
+    MotionPart, ParameterEstimate, SegmentResidual, Undetermined,
 };
 pub use fall::{Fall, acceleration, falls};
 pub use fit::{Fit, FitUntold, Fits, PartFit, Tested, WholeFit};

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::reported::Reported;
 use super::samples::Ordered;
 use crate::motion::{
-    AtBound, DurationEstimate, Estimate, EventKind, LinkIndex, Scene, Undetermined,
+    AtBound, DurationEstimate, Estimate, EventEstimate, EventKind, LinkIndex, Scene, Undetermined,
 };
 
 /// An event as estimated.
@@ -25,6 +25,8 @@ pub struct EventLine {
     pub time_is: &'static str,
     /// `lower` or `upper` where the time is at a bound of the scene.
     pub time_at_bound: Option<&'static str>,
+    /// The guess of the scene on which the time leans by more than its deviation, which supposes it.
+    pub time_leans_on: Option<LeaningLine>,
     /// Acted time since the first sample.
     pub acted_s: f64,
     /// Names of the bodies that it concerns.
@@ -43,6 +45,19 @@ pub struct EventLine {
     pub gap_m_s: f64,
     /// Largest angular velocity gap.
     pub gap_rad_s: f64,
+}
+
+/// What a time leans on.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LeaningLine {
+    /// Name of the guessed quantity.
+    pub quantity: String,
+    /// Its value in the scene,
+    pub value: f64,
+    /// another one,
+    pub other: f64,
+    /// and by how much later the event is with that, about.
+    pub later_s: f64,
 }
 
 /// Another contact than the inferred one.
@@ -131,6 +146,7 @@ pub(super) fn event_lines(of: &Reported) -> Vec<EventLine> {
                     None => "not computed",
                 },
                 time_at_bound: event.at_bound.map(AtBound::as_str),
+                time_leans_on: leaning_line(scene, event),
                 acted_s: event.acted_s,
                 bodies: match &of_scene.kind {
                     EventKind::Collision(collision) => collision.links().map(name).collect(),
@@ -149,6 +165,24 @@ pub(super) fn event_lines(of: &Reported) -> Vec<EventLine> {
             }
         })
         .collect()
+}
+
+fn leaning_line(scene: &Scene, event: &EventEstimate) -> Option<LeaningLine> {
+    let leaning = event.leaning?;
+    let is_more = event.sd_s.is_some_and(|sd_s| leaning.later_s.abs() > sd_s);
+    // A guess at the end of what is physical is wrong to the other side.
+    let [lower, upper] = leaning.quantity.limits();
+    let up = leaning.value + leaning.change;
+    let (other, sign) = match (lower..=upper).contains(&up) {
+        true => (up, 1.0),
+        false => (leaning.value - leaning.change, -1.0),
+    };
+    is_more.then(|| LeaningLine {
+        quantity: scene.name_of_quantity(leaning.quantity),
+        value: leaning.value,
+        other,
+        later_s: sign * leaning.later_s,
+    })
 }
 
 /// What else may touch at a collision.

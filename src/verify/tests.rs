@@ -75,6 +75,7 @@ fn estimate(scene: &Scene, arcs: Vec<ArcEstimate>, events_s: &[f64]) -> Estimate
         at_bound: None,
         acted_s: *time_s,
         gap: Gap::default(),
+        leaning: None,
     };
     Estimate {
         verdict: Verdict::Physical,

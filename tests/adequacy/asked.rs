@@ -108,6 +108,44 @@ fn a_guessed_restitution_is_told_in_an_unknown_tempo() {
     }
 }
 
+/// What is said of how times lean on a guess is what another guess makes of them.
+#[test]
+fn times_lean_on_a_guess_as_another_guess_moves_them() {
+    let mut most_s: f64 = 0.0;
+    for seed in 6210..6214 {
+        let acting = Acting {
+            distortion: 0.25,
+            ..Acting::default()
+        };
+        let case = Case::pencil(Style::Tip, &acting, seed);
+        let mut asked = Asked {
+            scene: case.scene().clone(),
+            events: case.performance.events.clone(),
+        };
+        let bounce = |asked: &Asked| {
+            let outcome = asked.answered().expect("an answer");
+            let mut events = outcome.estimate.events.into_iter();
+            let bounce = events.find(|event| event.leaning.is_some());
+            bounce.expect("its restitution is a guess")
+        };
+        let as_said = bounce(&asked);
+        let leaning = as_said.leaning.expect("a guess");
+        let law = asked.scene.contact_laws.keys().next().expect("a law");
+        assert_eq!(leaning.quantity, Quantity::Restitution { law });
+        assert_eq!(leaning.value, asked.scene.contact_laws[law].restitution);
+        // A tenth of the change, for it is said to first order.
+        asked.scene.contact_laws[law].restitution += 0.1 * leaning.change;
+        let moved_s = bounce(&asked).time_s - as_said.time_s;
+        let said_s = 0.1 * leaning.later_s;
+        assert!(
+            (moved_s - said_s).abs() < 0.2 * moved_s.abs().max(2e-4),
+            "{seed}: {moved_s} {said_s}"
+        );
+        most_s = most_s.max(leaning.later_s.abs());
+    }
+    assert!(most_s > 0.005, "{most_s}");
+}
+
 const BALL_TOML: &str = r#"
 name = "a soft ball"
 [timing]

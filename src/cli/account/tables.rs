@@ -23,6 +23,7 @@ pub(super) fn events(report: &EstimateReport) -> String {
         return String::new();
     }
     table("  ", &["event", "kind", "acted", "physical", ""], &rows)
+        + &leanings(report)
         + &inferred(report)
         + &goals(report)
         + &largest_gaps(report)
@@ -63,6 +64,26 @@ fn deviation(event: &EventLine) -> String {
         Some(_) => format!("{deviation}, at its latest"),
         None => deviation,
     }
+}
+
+/// The guesses on which times lean.
+fn leanings(report: &EstimateReport) -> String {
+    let mut text = String::new();
+    for event in &report.events {
+        let Some(on) = &event.time_leans_on else {
+            continue;
+        };
+        let shift_ms = 1e3 * on.later_s.abs();
+        let side = if on.later_s < 0.0 { "earlier" } else { "later" };
+        push_line(
+            &mut text,
+            format!(
+                "  guessed   {}: with {} = {} it is about {shift_ms:.0} ms {side}",
+                event.name, on.quantity, on.other
+            ),
+        );
+    }
+    text
 }
 
 /// What touches where the scene leaves that open.

@@ -73,16 +73,9 @@ impl Scores {
     ) -> Self {
         let context = extended.context;
         let system = context.evaluated(&Guidance::none(), extended.point);
-        let size = base.layout.size();
         let design = Design::new(context, extended.point, bins);
         let parameters = first..context.problem.parameters.len();
-        let directions: Vec<DVector<f64>> = parameters
-            .clone()
-            .map(|parameter| {
-                let at = context.layout.parameters[parameter];
-                direction((context, &system), (base, kkt), size, at)
-            })
-            .collect();
+        let directions = directions((context, &system), (base, kkt), first);
         let slopes = parameters.map(|parameter| {
             let at = context.layout.parameters[parameter];
             let mut gradient = system.gradient.clone();
@@ -160,13 +153,23 @@ impl Scores {
     }
 }
 
-/// `d` of one parameter, over all unknowns of the extended problem.
+/// `d` of each parameter from the `first` on.
+pub(super) fn directions(
+    extended: (&SolveContext, &System),
+    base: (&SolveContext, &Kkt),
+    first: usize,
+) -> Vec<DVector<f64>> {
+    let of_each = extended.0.layout.parameters[first..].iter();
+    of_each.map(|at| direction(extended, base, *at)).collect()
+}
+
+/// `d` of one parameter, over all unknowns of the extended problem, of which those of the base are the first.
 fn direction(
     (context, system): (&SolveContext, &System),
     (base, kkt): (&SolveContext, &Kkt),
-    size: usize,
     at: usize,
 ) -> DVector<f64> {
+    let size = base.layout.size();
     let pattern = &context.structure().pattern;
     let mut unit = DVector::zeros(context.layout.size());
     unit[at] = 1.0;

@@ -213,6 +213,7 @@ fn of_event(
         at_bound: None,
         acted_s,
         gap: gap(solved, event, within),
+        leaning: None,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::candidates::{Which, groups};
 use super::errors::{Errors, LEVEL};
-use super::wider::Wider;
+use super::wider::{Wider, unbounded};
 use crate::estimate::adequacy::score::{Extended, Scores};
 use crate::estimate::context::SolveContext;
 use crate::estimate::recipe::Solution;
@@ -24,12 +24,7 @@ pub(in crate::estimate::adequacy) fn scored(
     let mut free: Vec<FreeParameter> = Vec::new();
     for quantity in groups.iter().flatten() {
         if !free.iter().any(|free| free.quantity == *quantity) {
-            // Without bounds, whose rows the solution's multipliers do not have.
-            free.push(FreeParameter {
-                lower: f64::NEG_INFINITY,
-                upper: f64::INFINITY,
-                ..scene.freed(*quantity, scene.value_of(*quantity))
-            });
+            free.push(unbounded(scene, *quantity));
         }
     }
     let wider = Wider::new(context, (scene, sketch, segments), free);

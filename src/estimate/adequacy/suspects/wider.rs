@@ -4,20 +4,29 @@ use crate::estimate::context::SolveContext;
 use crate::estimate::layout::Layout;
 use crate::estimate::point::Point;
 use crate::estimate::problem::Problem;
-use crate::motion::{FreeParameter, Scene, Segment, Sketch};
+use crate::motion::{FreeParameter, Quantity, Scene, Segment, Sketch};
 
 /// A problem with more parameters than that of a solution.
-pub(super) struct Wider {
-    pub(super) problem: Problem,
-    pub(super) layout: Layout,
+pub(in crate::estimate::adequacy) struct Wider {
+    pub(in crate::estimate::adequacy) problem: Problem,
+    pub(in crate::estimate::adequacy) layout: Layout,
     /// The first of them among the parameters,
-    pub(super) first: usize,
+    pub(in crate::estimate::adequacy) first: usize,
     /// and all.
-    pub(super) added: Vec<FreeParameter>,
+    pub(in crate::estimate::adequacy) added: Vec<FreeParameter>,
+}
+
+/// A quantity set free without bounds, whose rows the solution's multipliers do not have.
+pub(in crate::estimate::adequacy) fn unbounded(scene: &Scene, quantity: Quantity) -> FreeParameter {
+    FreeParameter {
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+        ..scene.freed(quantity, scene.value_of(quantity))
+    }
 }
 
 impl Wider {
-    pub(super) fn new(
+    pub(in crate::estimate::adequacy) fn new(
         context: &SolveContext,
         (scene, sketch, segments): (&Scene, &Sketch, &[Segment]),
         added: Vec<FreeParameter>,
@@ -35,14 +44,14 @@ impl Wider {
     }
 
     /// A point without the added parameters.
-    pub(super) fn narrowed(&self, wide: &Point) -> Point {
+    pub(in crate::estimate::adequacy) fn narrowed(&self, wide: &Point) -> Point {
         let mut point = wide.clone();
         point.parameters.truncate(self.first);
         point
     }
 
     /// A point of the narrower problem, with the added parameters as they begin.
-    pub(super) fn point(&self, narrow: &Point) -> Point {
+    pub(in crate::estimate::adequacy) fn point(&self, narrow: &Point) -> Point {
         let mut point = narrow.clone();
         let initial = self.added.iter().map(|free| free.initial);
         point.parameters.extend(initial);
