@@ -66,21 +66,25 @@ fn deviation(event: &EventLine) -> String {
     }
 }
 
-/// The guesses on which times lean.
+/// The guesses on which times lean, each with how much later events are with another value.
 fn leanings(report: &EstimateReport) -> String {
-    let mut text = String::new();
+    let mut guesses: Vec<(String, Vec<String>)> = Vec::new();
     for event in &report.events {
         let Some(on) = &event.time_leans_on else {
             continue;
         };
-        let shift_ms = 1e3 * on.later_s.abs();
-        let side = if on.later_s < 0.0 { "earlier" } else { "later" };
+        let guess = format!("with {} = {}", on.quantity, on.other);
+        let later = format!("{} {:+.0} ms", event.name, 1e3 * on.later_s);
+        match guesses.iter_mut().find(|(known, _)| *known == guess) {
+            Some((_, events)) => events.push(later),
+            None => guesses.push((guess, vec![later])),
+        }
+    }
+    let mut text = String::new();
+    for (guess, events) in guesses {
         push_line(
             &mut text,
-            format!(
-                "  guessed   {}: with {} = {} it is about {shift_ms:.0} ms {side}",
-                event.name, on.quantity, on.other
-            ),
+            format!("  guessed   {guess}: {}", events.join(", ")),
         );
     }
     text
