@@ -28,7 +28,7 @@ use self::motion::{Motion, as_delivered, flights_by_stamps, misfit};
 use self::remedied::remedied;
 use super::outcome::Outcome;
 use crate::motion::{
-    About, Diagnosis, Fits, Observer, Phase, Remedy, Scene, TakeEvent, Timing, Verdict,
+    About, Diagnosis, Fits, Observer, Phase, Quantity, Remedy, Scene, TakeEvent, Timing, Verdict,
 };
 use crate::physics::contact;
 
@@ -103,6 +103,10 @@ pub(super) fn diagnose(
         if budget.is_over() {
             break;
         }
+        // A contact that lasts looks like a surface that is lower: which it is the data do not tell.
+        if matches!(remedy, Remedy::Surface { .. } | Remedy::Origin { .. }) && may_last(outcome) {
+            continue;
+        }
         let Some((remedy, with)) = best(remedy, &facts, most, &mut budget) else {
             continue;
         };
@@ -139,6 +143,12 @@ fn likeliest(mut found: Vec<(f64, Diagnosis)>) -> Vec<Diagnosis> {
         .min_by_key(|diagnosis| diagnosis.remedy.fitted())
         .into_iter()
         .collect()
+}
+
+/// Whether a contact that lasts is suspected.
+fn may_last(outcome: Option<&Outcome>) -> bool {
+    let mut suspects = outcome.iter().flat_map(|of| &of.estimate.suspects);
+    suspects.any(|of| matches!(of.quantity(), Some(Quantity::ContactDuration { .. })))
 }
 
 /// Whether a motion leaves nothing of its samples to explain, whatever else is doubted.
