@@ -17,6 +17,13 @@ from pathlib import Path
 BUILDS = [Path(__file__).parent.parent / "target" / build / "enact" for build in ("release", "debug")]
 ENACT = next((build for build in BUILDS if build.exists()), BUILDS[0])
 MARKS = ["--mark", "0.973813:bounce", "--mark", "1.881604:landing"]
+# Of a scene of a folder: the middle of the first contact of each file, and an end before the second.
+HITS = {
+    "poses_5": (0.3722, 0.88),
+    "poses_20": (0.3799, 0.90),
+    "poses_60": (0.4011, 0.93),
+    "poses_150": (0.4528, 1.00),
+}
 LIMIT_S = 60
 
 
@@ -34,7 +41,7 @@ def said(*arguments):
 def telling(lines, words):
     """The lines that begin with one of the words, without folders."""
     kept = [line.strip() for line in lines if line.strip().startswith(words)]
-    return " / ".join(" ".join(Path(word).name if "/" in word and Path(word).is_absolute() else word for word in line.split()) for line in kept)[:400]
+    return " / ".join(" ".join(Path(word).name if word.startswith(("/", "..")) else word for word in line.split()) for line in kept)[:400]
 
 
 def row(*cells):
@@ -67,7 +74,7 @@ def tables(folder, scratch):
                 own = case / "scene_tf.toml"
                 used = own if own.exists() and "chain" in file.name else scene
                 again, lines = said("replay", source, "--scene", used, "-o", scratch / "e.mcap")
-            first = next((line.split(": ", 1)[-1] for line in lines if ".mcap: " in line), "")
+            first = next((line.split(".mcap: ", 1)[-1] for line in lines if ".mcap: " in line), "")
             residual = telling(lines, ("residual  ",))
             row(case.name, file.name, code, words, again, f"{first[:160]} {residual}".strip())
 
@@ -76,7 +83,7 @@ def replays(title, files, scratch):
     heading(title, "case", "exit code", "says", "suspects, mistakes, doubts")
     for name, arguments in files:
         code, lines = said("replay", *arguments, "-o", scratch / "e.mcap", "--deadline", "30s")
-        first = next((line.split(": ", 1)[-1] for line in lines if ".mcap: " in line), telling(lines, ("error",)))
+        first = next((line.split(".mcap: ", 1)[-1] for line in lines if ".mcap: " in line), telling(lines, ("error",)))
         more = telling(lines, ("suspect", "or:", "likely", "doubt", "note: the goal"))
         row(name, code, first[:200], more)
 
@@ -88,7 +95,11 @@ def scenes(folder, scratch):
                 if poses.stem == "truth":
                     continue
                 out = scratch / f"{case.name}_{scene.stem}_{poses.stem}.mcap"
-                code, _ = said("import", poses, "--scene", scene, "-o", out)
+                marks = []
+                if case.name == "13-soft-impact":
+                    hit_s, end_s = HITS[poses.stem]
+                    marks = ["--mark", "0:go", "--mark", f"{hit_s}:hit", "--mark", f"{end_s}:end"]
+                code, _ = said("import", poses, "--scene", scene, *marks, "-o", out)
                 if out.exists():
                     yield f"{case.name}, {scene.stem}, {poses.stem}", [out, "--scene", scene]
 

@@ -52,7 +52,7 @@ impl Suspect {
     }
 
     /// Its first quantity; all are of one thing.
-    fn quantity(&self) -> Option<Quantity> {
+    pub fn quantity(&self) -> Option<Quantity> {
         self.values.first().map(|(quantity, _)| *quantity)
     }
 }
