@@ -22,7 +22,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::alone::Alone;
-use super::hand::{Hand, Kind};
+use super::hand::{Expected, Hand, Kind};
 use super::part::{self, Part, PartTest};
 use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::{self, Bins, Residuals, Six};
@@ -68,7 +68,7 @@ pub(super) fn test(
     let errors: Vec<Residuals> = views.map(|view| alone.errors[view].clone()).collect();
     let white = noise::white(&errors);
     let absorbed = part::absorbed(context, alone, &bins, &design, &arcs);
-    let hands = part::hands(context, &bins, (&errors, &absorbed), white);
+    let hands = part::hands(context, &bins, (&errors, &absorbed), (white, Expected::Any));
     let products = Products::new(context, alone, &design, &rows);
     let free = free(alone, &rows);
     let values = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.value));

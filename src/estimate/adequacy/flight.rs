@@ -17,7 +17,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::alone::Alone;
-use super::hand::Hand;
+use super::hand::{Expected, Hand};
 use super::part::{self, Part, PartTest};
 use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::{Bins, Six};
@@ -58,7 +58,7 @@ pub(super) fn test(context: &SolveContext, alone: &Alone, arc: usize) -> Option<
         return None;
     }
     known.extend(bends);
-    let hands = part::hands(context, &bins, (&errors, &known), white);
+    let hands = part::hands(context, &bins, (&errors, &known), (white, Expected::Usual));
     let means = weights.flat(&bins.mean_residuals(&errors));
     let left = absorbed.beyond(DMatrix::from_columns(&[means]));
     let wander = weights.wander(&hands);

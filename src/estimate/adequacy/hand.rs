@@ -8,9 +8,10 @@
 //!
 //! with the hand's spectrum `P` over acted time, as measured on a camera held in the hand (positions
 //! `p = 4`, orientations `p = 3`, without a corner above 0.2 Hz), the white noise's variance `σ²` and the numbers of
-//! samples `N`. The wander's size `a` is not determined well by a take, and not at all where flights are brief, so that
-//! sizes are weighted by how usual they are for the scene's weights and by their restricted likelihood (Patterson and Thompson, Biometrika 58, 1971) and the mean covariance
-//! is used; none is beyond what any hand strays. Directions that the flights' own fits absorb are left out of the likelihood.
+//! samples `N`. The wander's size `a` is not determined well by a take, so that sizes are weighted by their restricted
+//! likelihood (Patterson and Thompson, Biometrika 58, 1971) and the mean covariance is used; none is beyond what any hand
+//! strays. One flight tells next to nothing of it, so that there sizes are weighted, too, by how usual they are for the
+//! scene's weights. Directions that the flights' own fits absorb are left out of the likelihood.
 
 use std::f64::consts::TAU;
 
@@ -31,6 +32,15 @@ const SIZES: [f64; 9] = [1.0, 2.5, 6.0, 16.0, 40.0, 100.0, 250.0, 600.0, 1600.0]
 /// in units of its weights: what would need a hand that strays by more is no hand's doing.
 const MOST: [f64; 2] = [0.5, 5.0];
 const MOST_UNITS: f64 = 50.0;
+
+/// Which sizes of a wander are expected before anything is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Expected {
+    /// Any.
+    Any,
+    /// Those of a usual hand, in the scene's weights.
+    Usual,
+}
 
 /// Size of a usual hand's wander, in units of the scene's weights, and the spread of its logarithm.
 const USUAL: f64 = 2.0;
@@ -67,12 +77,14 @@ impl Kind {
 
 impl Hand {
     /// The wander of one kind that the bins' mean residuals show, of which the directions `absorbed`
-    /// are left out; `white` is the variance of a sample's white noise, and `unit` one unit \[m or rad\].
+    /// are left out; `white` is the variance of a sample's white noise, and `unit` one unit \[m or rad\]. Sizes are as
+    /// `expected`.
     pub(super) fn of(
         bins: &Bins,
         kind: Kind,
         (means, absorbed): (&[Six], &[Vec<Six>]),
         (white, unit): (f64, f64),
+        expected: Expected,
     ) -> Self {
         let correlation = correlation(bins, EXPONENTS[kind as usize]);
         let floor = white.max(1e-18);
@@ -83,7 +95,7 @@ impl Hand {
         let sizes = SIZES.map(|size| size.min(most));
         let logs: Vec<f64> = sizes.iter().map(|size| likelihood(*size)).collect();
         let most = logs.iter().fold(none, |most, log| most.max(*log));
-        let priors = sizes.map(|size| prior(size * floor.sqrt()));
+        let priors = sizes.map(|size| expected.density(size * floor.sqrt()));
         let all: f64 = priors.iter().sum();
         let weights = logs.iter().zip(priors);
         let weights: Vec<f64> = weights
@@ -144,10 +156,15 @@ impl Hand {
     }
 }
 
-/// Prior of a wander's size, in units, up to a factor.
-fn prior(size: f64) -> f64 {
-    let off = (size / USUAL).ln() / USUAL_SPREAD;
-    (-0.5 * off * off).exp()
+impl Expected {
+    /// Density of a wander's size, in units, up to a factor, over its logarithm.
+    fn density(self, size: f64) -> f64 {
+        let off = (size / USUAL).ln() / USUAL_SPREAD;
+        match self {
+            Self::Any => 1.0,
+            Self::Usual => (-0.5 * off * off).exp(),
+        }
+    }
 }
 
 /// Correlations of the bins of each track under a power law.

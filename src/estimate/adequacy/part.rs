@@ -4,7 +4,7 @@ use nalgebra::DVector;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::alone::Alone;
-use super::hand::{Hand, Kind};
+use super::hand::{Expected, Hand, Kind};
 use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::{Bins, Residuals, Six};
 use crate::estimate::covariance::trace::Design;
@@ -69,7 +69,7 @@ pub(super) fn hands(
     context: &SolveContext,
     bins: &Bins,
     (errors, absorbed): (&[Residuals], &[Vec<Six>]),
-    white: [f64; 2],
+    (white, expected): ([f64; 2], Expected),
 ) -> [Hand; 2] {
     let means = bins.mean_residuals(errors);
     let problem = context.problem;
@@ -78,7 +78,7 @@ pub(super) fn hands(
         Performer::Hand | Performer::Unsaid => {
             let shown = (means.as_slice(), absorbed);
             let unit = [problem.position_unit_m, problem.orientation_unit_rad][kind as usize];
-            Hand::of(bins, kind, shown, (white[kind as usize], unit))
+            Hand::of(bins, kind, shown, (white[kind as usize], unit), expected)
         }
     })
 }
