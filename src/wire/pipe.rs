@@ -1,5 +1,5 @@
-//! What is read as a whole: files, pipes by name, as a shell makes of `<(...)`, and stdin by the name that is none,
-//! `-`, by which stdout is written.
+//! What is read as a whole: files, open pipes, as a shell makes of `<(...)`, and stdin by the name that is none, `-`, by
+//! which stdout is written.
 //!
 //! What has no end, or is larger than anything of its kind, is refused before memory is gone.
 
@@ -23,9 +23,9 @@ pub fn is_pipe(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-/// The bytes of a file or a pipe, or of stdin.
+/// The bytes of a file or an open pipe, or of stdin.
 ///
-/// Fails for devices and folders, and for more than a gibibyte from a pipe or of what does not begin as a recording.
+/// Fails for devices, folders and pipes on the disk, and for more than a gibibyte from a pipe or of what does not begin as a recording.
 pub fn read_whole(path: &Path) -> Result<Vec<u8>> {
     if is_pipe(path) {
         return read_all(std::io::stdin().lock(), 0, UNKNOWN_BYTES);
@@ -44,18 +44,18 @@ pub fn read_whole(path: &Path) -> Result<Vec<u8>> {
     }
 }
 
-/// The text of a file or a pipe.
+/// The text of a file or an open pipe.
 ///
-/// Fails for devices and folders, for more than 64 MiB, and for what is no UTF-8.
+/// Fails for devices, folders and pipes on the disk, for more than 64 MiB, and for what is no UTF-8.
 pub fn read_text(path: &Path) -> Result<String> {
     let (file, length) = opened(path)?;
     let bytes = read_all(&file, length.min(TEXT_BYTES), TEXT_BYTES)?;
     String::from_utf8(bytes).map_err(|_| Error::new(ErrorKind::InvalidData, "it is not UTF-8 text"))
 }
 
-/// The file, and how long it says it is. A pipe that is named is one that somebody is about to write to.
+/// The file or the open pipe, and how long it says it is.
 fn opened(path: &Path) -> Result<(File, u64)> {
-    let file = match regular::is_fifo(path) {
+    let file = match regular::is_open_pipe(path) {
         true => File::open(path)?,
         false => regular::open(path)?,
     };

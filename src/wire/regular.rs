@@ -1,6 +1,6 @@
-//! The door to files that are found: nothing is opened that is not a regular file.
+//! The one door to files that are read: nothing is opened that is not a regular file.
 //!
-//! A pipe would be waited for, for good where nobody writes to it; a device may never end.
+//! A pipe by name would be waited for, for good where nobody writes to it; a device may never end.
 
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, Read};
@@ -32,13 +32,20 @@ pub fn is_there(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|of| of.is_file())
 }
 
-/// Whether there is a pipe by name.
-pub fn is_fifo(path: &Path) -> bool {
+/// Whether a name is that of a pipe which this program was given open, as a shell gives `/dev/fd/63` for `<(...)`. It has
+/// no path of its own; a pipe on the disk has one, and maybe nobody who writes to it.
+pub fn is_open_pipe(path: &Path) -> bool {
     #[cfg(unix)]
-    return std::fs::metadata(path)
-        .is_ok_and(|of| std::os::unix::fs::FileTypeExt::is_fifo(&of.file_type()));
+    {
+        use std::os::unix::fs::FileTypeExt;
+        let is_pipe = std::fs::metadata(path).is_ok_and(|of| of.file_type().is_fifo());
+        is_pipe && std::fs::canonicalize(path).is_err()
+    }
     #[cfg(not(unix))]
-    false
+    {
+        let _ = path;
+        false
+    }
 }
 
 fn check(of: &Metadata) -> io::Result<()> {

@@ -29,9 +29,16 @@ const SAME_MOMENT: f64 = 0.02;
 const LEAST_RAD: f64 = 0.1;
 /// First and last step of the search for a turn \[rad\].
 const STEPS_RAD: [f64; 2] = [0.4, 1e-3];
-/// Greatest share that a step leaves, and most steps: along turns that change nothing there is no end.
-const LOWER: f64 = 0.999;
-const SWEEPS: usize = 120;
+/// Greatest share that a step leaves, and most steps, while the best start is looked for and from there on: along turns
+/// that change nothing there is no end.
+const ROUGHLY: Pace = Pace {
+    lower: 0.999,
+    sweeps: 120,
+};
+const FINELY: Pace = Pace {
+    lower: 1.0 - 1e-9,
+    sweeps: 2000,
+};
 /// Least number of samples of a flight.
 const LEAST: usize = 6;
 /// Most turns that are tried.
@@ -109,13 +116,10 @@ fn by_flights(facts: &Facts, track: TrackIndex) -> Vec<UnitQuaternion<f64>> {
         bends.iter().map(|bend| bend.by(&tensor)).sum()
     };
     let as_said = bent(&UnitQuaternion::identity());
-    let best = starts()
-        .into_iter()
-        .map(|start| descended(start, &bent))
-        .min_by(|a, b| a.1.total_cmp(&b.1));
-    let Some((best, _)) = best.filter(|(_, left)| *left < STRAIGHT * as_said) else {
+    let (best, left) = least(&bent);
+    if left >= STRAIGHT * as_said {
         return Vec::new();
-    };
+    }
     let half = |axis: usize| exp(&(Vector3::ith(axis, std::f64::consts::PI)));
     let mut alike: Vec<UnitQuaternion<f64>> = match symmetry {
         Symmetry::Axis(axis) => {
@@ -152,14 +156,35 @@ fn starts() -> Vec<UnitQuaternion<f64>> {
         .collect()
 }
 
+/// When a search for a turn ends.
+#[derive(Clone, Copy)]
+struct Pace {
+    lower: f64,
+    sweeps: usize,
+}
+
+/// The turn at which a function is least, and its value there.
+fn least(of: &dyn Fn(&UnitQuaternion<f64>) -> f64) -> (UnitQuaternion<f64>, f64) {
+    let ends = starts()
+        .into_iter()
+        .map(|start| descended(start, of, ROUGHLY));
+    let best = ends.min_by(|a, b| a.1.total_cmp(&b.1));
+    descended(
+        best.map_or_else(UnitQuaternion::identity, |(best, _)| best),
+        of,
+        FINELY,
+    )
+}
+
 /// The turn near a start at which a function is least, by steps to all sides that are halved where none leads down.
 fn descended(
     start: UnitQuaternion<f64>,
     of: &dyn Fn(&UnitQuaternion<f64>) -> f64,
+    pace: Pace,
 ) -> (UnitQuaternion<f64>, f64) {
     let (mut at, mut least) = (start, of(&start));
     let mut step_rad = STEPS_RAD[0];
-    for _ in 0..SWEEPS {
+    for _ in 0..pace.sweeps {
         if step_rad < STEPS_RAD[1] {
             break;
         }
@@ -169,7 +194,7 @@ fn descended(
             (there, of(&there))
         });
         match sides.min_by(|a, b| a.1.total_cmp(&b.1)) {
-            Some((there, lower)) if lower < LOWER * least => (at, least) = (there, lower),
+            Some((there, lower)) if lower < pace.lower * least => (at, least) = (there, lower),
             _ => step_rad *= 0.5,
         }
     }
@@ -294,8 +319,7 @@ mod tests {
         for is_timed in [true, false] {
             let bend = Bend::of(&flight(moments, &turn), is_timed).unwrap();
             let bent = |of: &UnitQuaternion<f64>| bend.by(&tensor(of));
-            let found = starts().into_iter().map(|start| descended(start, &bent));
-            let (found, left) = found.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+            let (found, left) = least(&bent);
             assert!(left < 0.01 * bent(&UnitQuaternion::identity()), "{left}");
             let off = (tensor(&found) - tensor(&turn)).norm();
             assert!(off < 0.02, "{is_timed}: {off}");
