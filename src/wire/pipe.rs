@@ -55,10 +55,7 @@ pub fn read_text(path: &Path) -> Result<String> {
 
 /// The file or the open pipe, and how long it says it is.
 fn opened(path: &Path) -> Result<(File, u64)> {
-    let file = match regular::is_open_pipe(path) {
-        true => File::open(path)?,
-        false => regular::open(path)?,
-    };
+    let file = regular::open_or_pipe(path)?;
     let length = file.metadata()?.len();
     Ok((file, length))
 }

@@ -32,9 +32,16 @@ pub fn is_there(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|of| of.is_file())
 }
 
-/// Whether a name is that of a pipe which this program was given open, as a shell gives `/dev/fd/63` for `<(...)`. It has
-/// no path of its own; a pipe on the disk has one, and maybe nobody who writes to it.
-pub fn is_open_pipe(path: &Path) -> bool {
+/// Opens a file for reading, or a pipe that this program was given open, as a shell gives `/dev/fd/63` for `<(...)`.
+pub fn open_or_pipe(path: &Path) -> io::Result<File> {
+    match is_open_pipe(path) {
+        true => File::open(path),
+        false => open(path),
+    }
+}
+
+/// An open pipe has no path of its own; one on the disk has, and maybe nobody who writes to it.
+fn is_open_pipe(path: &Path) -> bool {
     #[cfg(unix)]
     {
         use std::os::unix::fs::FileTypeExt;

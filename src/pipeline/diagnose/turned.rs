@@ -27,18 +27,13 @@ const STRAIGHT: f64 = 0.5;
 const SAME_MOMENT: f64 = 0.02;
 /// Least turn that is a mistake of its own, beyond what a mount is typed to \[rad\].
 const LEAST_RAD: f64 = 0.1;
-/// First and last step of the search for a turn \[rad\].
-const STEPS_RAD: [f64; 2] = [0.4, 1e-3];
-/// Greatest share that a step leaves, and most steps, while the best start is looked for and from there on: along turns
-/// that change nothing there is no end.
-const ROUGHLY: Pace = Pace {
-    lower: 0.999,
-    sweeps: 120,
-};
-const FINELY: Pace = Pace {
-    lower: 1.0 - 1e-9,
-    sweeps: 2000,
-};
+/// Step of the differences by which a search for a turn sees slopes, and last step of the search \[rad\].
+const STEP_RAD: f64 = 1e-3;
+const LAST_RAD: f64 = 1e-6;
+/// Most steps of a search: along turns that change nothing there is no end.
+const STEPS: usize = 30;
+/// First damping of a step, relative to the curvature, the factor on it after one that fails, and the greatest.
+const DAMPING: [f64; 3] = [1e-3, 10.0, 1e6];
 /// Least number of samples of a flight.
 const LEAST: usize = 6;
 /// Most turns that are tried.
@@ -156,46 +151,58 @@ fn starts() -> Vec<UnitQuaternion<f64>> {
         .collect()
 }
 
-/// When a search for a turn ends.
-#[derive(Clone, Copy)]
-struct Pace {
-    lower: f64,
-    sweeps: usize,
-}
-
 /// The turn at which a function is least, and its value there.
 fn least(of: &dyn Fn(&UnitQuaternion<f64>) -> f64) -> (UnitQuaternion<f64>, f64) {
-    let ends = starts()
-        .into_iter()
-        .map(|start| descended(start, of, ROUGHLY));
-    let best = ends.min_by(|a, b| a.1.total_cmp(&b.1));
-    descended(
-        best.map_or_else(UnitQuaternion::identity, |(best, _)| best),
-        of,
-        FINELY,
-    )
+    let ends = starts().into_iter().map(|start| descended(start, of));
+    ends.fold((UnitQuaternion::identity(), f64::INFINITY), |best, end| {
+        if end.1 < best.1 { end } else { best }
+    })
 }
 
-/// The turn near a start at which a function is least, by steps to all sides that are halved where none leads down.
+/// The turn near a start at which a function is least: Newton's steps with derivatives by central differences, damped as
+/// Levenberg and Marquardt do.
 fn descended(
     start: UnitQuaternion<f64>,
     of: &dyn Fn(&UnitQuaternion<f64>) -> f64,
-    pace: Pace,
 ) -> (UnitQuaternion<f64>, f64) {
     let (mut at, mut least) = (start, of(&start));
-    let mut step_rad = STEPS_RAD[0];
-    for _ in 0..pace.sweeps {
-        if step_rad < STEPS_RAD[1] {
-            break;
-        }
-        let sides = (0..6).map(|side| {
-            let sign = if side % 2 == 0 { 1.0 } else { -1.0 };
-            let there = at * exp(&(Vector3::ith(side / 2, sign * step_rad)));
-            (there, of(&there))
+    let [mut damping, factor, most] = DAMPING;
+    for _ in 0..STEPS {
+        let there = |by: Vector3<f64>| of(&(at * exp(&by)));
+        let step = |axis: usize| Vector3::ith(axis, STEP_RAD);
+        let sides = [1.0, -1.0].map(|sign| [0, 1, 2].map(|axis| there(sign * step(axis))));
+        let slope = Vector3::from_fn(|i, _| (sides[0][i] - sides[1][i]) / (2.0 * STEP_RAD));
+        let curvature = Matrix3::from_fn(|i, j| {
+            let both = match i == j {
+                true => sides[0][i] + sides[1][i] - 2.0 * least,
+                false => {
+                    let corners = there(step(i) + step(j)) + there(-step(i) - step(j));
+                    let of_sides = sides[0][i] + sides[0][j] + sides[1][i] + sides[1][j];
+                    0.5 * (corners - of_sides + 2.0 * least)
+                }
+            };
+            both / (STEP_RAD * STEP_RAD)
         });
-        match sides.min_by(|a, b| a.1.total_cmp(&b.1)) {
-            Some((there, lower)) if lower < pace.lower * least => (at, least) = (there, lower),
-            _ => step_rad *= 0.5,
+        let scale = curvature.diagonal().abs().sum();
+        let mut next = None;
+        while next.is_none() && damping < most {
+            let damped = curvature + Matrix3::identity() * (damping * scale);
+            let by = damped.cholesky().map(|factor| -factor.solve(&slope));
+            next = by
+                .map(|by| (by, there(by)))
+                .filter(|(_, lower)| *lower < least);
+            damping *= if next.is_some() {
+                factor.recip()
+            } else {
+                factor
+            };
+        }
+        let Some((by, lower)) = next else {
+            break;
+        };
+        (at, least) = (at * exp(&by), lower);
+        if by.norm() < LAST_RAD {
+            break;
         }
     }
     (at, least)
