@@ -128,8 +128,8 @@ mod tests {
         let outliers =
             (0..200).map(|at| toss(at) + Vector3::x() * f64::from(u8::from(at % 10 == 0)));
         assert_eq!(seen(outliers).mixed("/t"), None);
-        let shakes =
-            (0..400).map(|at| Vector3::x() * (at as f64 / 120.0 * 6.28 * 12.0).sin() * 0.05);
+        let shakes = (0..400)
+            .map(|at| Vector3::x() * (at as f64 / 10.0 * std::f64::consts::TAU).sin() * 0.05);
         assert_eq!(seen(shakes).mixed("/t"), None);
     }
 }
