@@ -71,20 +71,25 @@ fn a_goal_that_asks_for_another_motion_is_no_mistake_of_the_scene() {
     }
 }
 
+/// A pencil in a tempo of its own, in a steady hand.
+fn pencil(seed: u64) -> Asked {
+    let acting = Acting {
+        distortion: 0.25,
+        ..Acting::default()
+    };
+    let case = Case::pencil(Style::Tip, &acting, seed);
+    Asked {
+        scene: case.scene().clone(),
+        events: case.performance.events.clone(),
+    }
+}
+
 /// In a tempo that is not known a restitution that is guessed 0.1 wrong moves the bounce by tens of milliseconds: the
 /// performance tells it.
 #[test]
 fn a_guessed_restitution_is_told_in_an_unknown_tempo() {
     for seed in 6200..6203 {
-        let acting = Acting {
-            distortion: 0.25,
-            ..Acting::default()
-        };
-        let case = Case::pencil(Style::Tip, &acting, seed);
-        let mut asked = Asked {
-            scene: case.scene().clone(),
-            events: case.performance.events.clone(),
-        };
+        let mut asked = pencil(seed);
         let right = asked.answered().expect("an answer").estimate;
         assert!(right.suspects.is_empty(), "{seed}: {:?}", right.suspects);
         assert_eq!(right.fits(), Fits::Yes, "{seed}");
@@ -113,15 +118,7 @@ fn a_guessed_restitution_is_told_in_an_unknown_tempo() {
 fn times_lean_on_a_guess_as_another_guess_moves_them() {
     let mut most_s: f64 = 0.0;
     for seed in 6210..6214 {
-        let acting = Acting {
-            distortion: 0.25,
-            ..Acting::default()
-        };
-        let case = Case::pencil(Style::Tip, &acting, seed);
-        let mut asked = Asked {
-            scene: case.scene().clone(),
-            events: case.performance.events.clone(),
-        };
+        let mut asked = pencil(seed);
         let bounce = |asked: &Asked| {
             let outcome = asked.answered().expect("an answer");
             let mut events = outcome.estimate.events.into_iter();
