@@ -107,7 +107,11 @@ def scenes(folder, scratch):
 def main():
     folder = Path(sys.argv[1])
     print("# Inputs that went wrong once\n")
-    print("What is said of each now, by `tools/check_cases.py`. The files are no part of the repository.")
+    root = Path(__file__).parent
+    revision = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=root, capture_output=True, text=True)
+    print(f"What is said of each by `tools/check_cases.py` at revision {revision.stdout.strip()}; the files are no part of the")
+    print("repository. A row is what a user sees: exit code 0 is a motion against which nothing speaks, 3 one against which something")
+    print("does, 1 no motion.")
     with tempfile.TemporaryDirectory() as scratch:
         scratch = Path(scratch)
         tables(folder / "tables", scratch)
