@@ -151,9 +151,12 @@ fn may_last(outcome: Option<&Outcome>) -> bool {
     suspects.any(|of| matches!(of.quantity(), Some(Quantity::ContactDuration { .. })))
 }
 
-/// Whether a motion leaves nothing of its samples to explain, whatever else is doubted.
+/// Whether a motion is near its samples and leaves nothing of them to explain, whatever else is doubted.
 fn is_explained(outcome: &Outcome) -> bool {
-    is_motion(outcome) && outcome.estimate.fits() == Fits::Yes
+    let estimate = &outcome.estimate;
+    is_motion(outcome)
+        && estimate.fits() == Fits::Yes
+        && misfit(&outcome.scene, &motion::distance(estimate)) <= NEAR
 }
 
 /// Whether nothing speaks against an outcome, and its motion is not too far from the samples, in the scene's
