@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::arguments::Format;
 use crate::report::{self, plain_json, plain_line};
-use crate::service::is_pipe;
+use crate::service::{file_name, is_pipe};
 
 /// Writes a text. A reader that has closed the pipe is no error.
 pub(super) fn print(text: &str) -> io::Result<()> {
@@ -142,11 +142,10 @@ fn without_folders(argument: &str) -> String {
         Some((option, value)) if option.starts_with('-') => (Some(option), value),
         _ => (None, argument),
     };
-    let name = Path::new(value).file_name();
-    let name = name.map_or(value.into(), |name| name.to_string_lossy());
+    let name = file_name(Path::new(value));
     match option {
         Some(option) => format!("{option}={name}"),
-        None => name.into_owned(),
+        None => name,
     }
 }
 

@@ -63,11 +63,7 @@ impl Solved {
             self.estimate.suspects = judged.suspects;
             judged.fit
         });
-        let leanings = {
-            let point = &self.solution.point;
-            let context = self.posed.context(self.epochs_s.clone(), point);
-            adequacy::leanings((&context, &self.solution), performed)
-        };
+        let leanings = adequacy::leanings((&self.context(), &self.solution), performed);
         for (event, leaning) in self.estimate.events.iter_mut().zip(leanings) {
             event.leaning = leaning;
         }
@@ -78,11 +74,14 @@ impl Solved {
         performed: (&Scene, &Sketch, &[Segment]),
         observer: &mut dyn Observer,
     ) -> Result<Judged, FitUntold> {
-        let context = self
-            .posed
-            .context(self.epochs_s.clone(), &self.solution.point);
         let found = (&self.solution, self.errors.as_slice());
-        adequacy::judge(&context, found, performed, observer)
+        adequacy::judge(&self.context(), found, performed, observer)
+    }
+
+    /// At the solution.
+    fn context(&self) -> SolveContext<'_> {
+        self.posed
+            .context(self.epochs_s.clone(), &self.solution.point)
     }
 
     /// Solves again from a point, and takes the motion there if its objective is lower.

@@ -153,23 +153,23 @@ fn may_last(outcome: Option<&Outcome>) -> bool {
 
 /// Whether a motion is near its samples and leaves nothing of them to explain, whatever else is doubted.
 fn is_explained(outcome: &Outcome) -> bool {
-    let estimate = &outcome.estimate;
-    is_motion(outcome)
-        && estimate.fits() == Fits::Yes
-        && misfit(&outcome.scene, &motion::distance(estimate)) <= NEAR
+    is_near(outcome, NEAR) && outcome.estimate.fits() == Fits::Yes
 }
 
 /// Whether nothing speaks against an outcome, and its motion is not too far from the samples, in the scene's
 /// weights.
 fn is_well(outcome: &Outcome, farthest: f64) -> bool {
-    let estimate = &outcome.estimate;
-    let mut doubts = estimate.doubts.iter();
+    let mut doubts = outcome.estimate.doubts.iter();
     // Of other motions that are as near no mistake is to blame.
     let is_doubted =
         doubts.any(|doubt| doubt.about != About::Rivals && doubt.about.best() != Verdict::Physical);
-    is_motion(outcome)
-        && !is_doubted
-        && misfit(&outcome.scene, &motion::distance(estimate)) <= farthest
+    !is_doubted && is_near(outcome, farthest)
+}
+
+/// Whether there is a motion, at most so far from its samples, in the scene's weights.
+fn is_near(outcome: &Outcome, farthest: f64) -> bool {
+    let distance = motion::distance(&outcome.estimate);
+    is_motion(outcome) && misfit(&outcome.scene, &distance) <= farthest
 }
 
 /// Whether an outcome's gaps are closed.

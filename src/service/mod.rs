@@ -67,6 +67,7 @@ pub use mark::{MarkEdits, MarkJob, Marked, ProposalLine, mark};
 pub use output::write_file;
 pub use predict::{DEFAULT_PREDICTION_S, PredictJob, predict};
 pub use process::{Failure, ProcessJob, Processed, process};
+pub(crate) use provenance::file_name;
 #[cfg(not(feature = "live"))]
 pub use publish::NotLive;
 pub use recover::{RecoveredLine, recover_all};

@@ -18,7 +18,7 @@ pub(super) fn sha256(bytes: &[u8]) -> String {
 }
 
 /// The name of a file, without its folders.
-pub(super) fn file_name(path: &Path) -> String {
+pub(crate) fn file_name(path: &Path) -> String {
     let name = path.file_name().unwrap_or(path.as_os_str());
     name.to_string_lossy().into_owned()
 }

@@ -20,17 +20,19 @@ pub fn leanings(
     (context, solution): (&SolveContext, &Solution),
     posed: (&Scene, &Sketch, &[Segment]),
 ) -> Vec<Option<Leaning>> {
+    if !context.problem.times_are_unknown() {
+        return Vec::new();
+    }
     let scene = posed.0;
     let is_guess = |quantity: &Quantity| {
         let is_restitution = matches!(quantity, Quantity::Restitution { .. });
         is_restitution && !scene.frees(*quantity) && scene.untold(*quantity).is_none()
     };
     let guesses: Vec<Quantity> = scene.quantities().into_iter().filter(is_guess).collect();
-    let kkt = Kkt::new(context, &solution.system, &solution.multipliers);
-    let (Some(kkt), false) = (
-        kkt,
-        guesses.is_empty() || !context.problem.times_are_unknown(),
-    ) else {
+    if guesses.is_empty() {
+        return Vec::new();
+    }
+    let Some(kkt) = Kkt::new(context, &solution.system, &solution.multipliers) else {
         return Vec::new();
     };
     let free = guesses.iter().map(|quantity| unbounded(scene, *quantity));
