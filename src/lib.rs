@@ -52,7 +52,7 @@
 //! there matters most: no files, no sockets, no clock, no threads, no printing, no logging, no
 //! container of random order. A run can be stopped and watched through
 //! [`motion::Observer`], and the same take gives the same bits. Stages never import each other;
-//! what they exchange is in [`motion`]. `tests/tidy.rs` enforces all of this.
+//! what they exchange is in [`motion`]. `tests/house/tidy.rs` enforces all of this.
 //!
 //! # Conventions
 //!

@@ -6,7 +6,7 @@
 
 The folder has `tables` (what other programs write), `scenes` (a scene with poses) and `takes` (recordings with their
 scenes); it is no part of the repository. Nothing in it is changed. Flights with one thing wrong and true scenes
-that are made up are in `tests/adequacy`.
+that are made up are in `tests/judge/adequacy`.
 """
 
 import subprocess

@@ -18,10 +18,17 @@ git ls-files -z | xargs -0 cp --parents -t "$copy"
 cd "$copy"
 
 # Without a fault all of them pass, or nothing here says anything.
-asked="$(sed -n 's/^test: //p' "$list" | tr ' ' '\n' | grep -v '^--test$' | sort -u | sed 's/^/--test /' | paste -sd' ')"
-# Words of the tests on purpose, here and below.
-# shellcheck disable=SC2086
-cargo test --quiet --locked -p enact --lib $asked >"$said/tests" 2>&1 || { tail -n 40 "$said/tests"; exit 1; }
+asked="$(sed -n 's/^test: //p' "$list" | tr ' ' '\n' | sort -u | paste -sd' ')"
+# The library's tests, and those of the modules that are named as `binary::module`.
+run() { # MODULES ARGUMENTS
+    local binaries modules
+    binaries="$(tr ' ' '\n' <<<"$1" | sed -n 's/::.*//p' | sort -u | sed 's/^/--test=/')"
+    modules="$(tr ' ' '\n' <<<"$1" | sed -n 's/.*::\(.*\)/\1::/p')"
+    # Words on purpose.
+    # shellcheck disable=SC2086
+    timeout 900 cargo test --quiet --locked -p enact --no-fail-fast --lib $binaries "${@:2}" -- tests:: $modules
+}
+run "$asked" >"$said/tests" 2>&1 || { tail -n 40 "$said/tests"; exit 1; }
 
 amiss=0
 try() { # NAME FILE FROM TO TESTS
@@ -34,12 +41,11 @@ try() { # NAME FILE FROM TO TESTS
         return
     fi
     printf '%s\n' "$text" >"$2"
-    # shellcheck disable=SC2086
-    if ! cargo test --quiet --locked -p enact --no-run --lib $5 >"$said/build" 2>&1; then
+    if ! run "$5" --no-run >"$said/build" 2>&1; then
         echo "does not compile: $1"
         tail -n 20 "$said/build"
         amiss=1
-    elif timeout 900 cargo test --quiet --locked -p enact --no-fail-fast --lib $5 >"$said/tests" 2>&1; then
+    elif run "$5" >"$said/tests" 2>&1; then
         echo "UNNOTICED: $1"
         amiss=1
     else

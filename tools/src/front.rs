@@ -1,5 +1,5 @@
 //! What was measured of the flows, and whether anything is at once faster and as exact as what
-//! the program does. `tests/charts.rs` reads the numbers with this file.
+//! the program does. `tests/house/charts.rs` reads the numbers with this file.
 
 use serde::{Deserialize, Serialize};
 

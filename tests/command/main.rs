@@ -1,0 +1,10 @@
+//! Commands from outside: what they print, where, with which exit code, and what they leave alone.
+
+mod cli;
+mod deadlines;
+mod golden;
+mod inputs;
+mod shell;
+#[path = "../support/skip.rs"]
+mod skip;
+mod terminal;

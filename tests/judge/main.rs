@@ -1,0 +1,6 @@
+//! What is said of a motion: its verdict, whether it fits, what is to blame, which mistake is likely.
+
+mod adequacy;
+mod credible;
+mod diagnosis;
+mod verdict;

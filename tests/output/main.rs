@@ -1,0 +1,8 @@
+//! What goes out: exports, reports, predictions.
+
+mod files;
+mod predict;
+mod problem;
+#[path = "../support/program.rs"]
+mod program;
+mod report;
