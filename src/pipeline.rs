@@ -226,8 +226,7 @@ impl Pipeline {
         // What was led to its rest is as far from the performance as that takes.
         let is_led = matches!(outcome.estimate.reason.end, End::Simulated(_));
         if self.is_diagnosing && !is_led {
-            let solved = (Some(&outcome), work);
-            outcome.diagnoses = diagnose(&self.scene, &self.events, solved, observer);
+            outcome.diagnoses = diagnose(&self.scene, &self.events, Some(&outcome), work, observer);
         }
         outcome.settle(self.is_predicting, observer);
         outcome.spread(known.as_deref(), observer);
@@ -246,7 +245,7 @@ impl Pipeline {
         if !self.is_diagnosing || self.scene.joint_trees().next().is_some() {
             return Vec::new();
         }
-        diagnose(&self.scene, &self.events, (None, 0), observer)
+        diagnose(&self.scene, &self.events, None, 0, observer)
     }
 
     /// The estimate from all events, unchecked: its verdict is that of its gaps alone.

@@ -67,7 +67,7 @@ const SLOW_STEPS: usize = 12;
 /// not finite. Where joined bodies gain energy, which no contact gives them, the simulation has failed:
 /// it ends before, and they are not at rest.
 pub fn settle(scene: &Scene, estimate: &Estimate, limit_s: f64) -> Option<Settled> {
-    simulated(scene, estimate, limit_s, (None, &mut ()))
+    simulated(scene, estimate, limit_s, None, &mut ())
 }
 
 /// The same for as long as the observer lets it: what was not simulated is not at rest.
@@ -77,14 +77,14 @@ pub fn settle_until(
     limit_s: f64,
     observer: &mut dyn Observer,
 ) -> Option<Settled> {
-    simulated(scene, estimate, limit_s, (None, observer))
+    simulated(scene, estimate, limit_s, None, observer)
 }
 
 /// The same simulation, ended as soon as every link has been slow for a while, which is mostly
 /// when it is known how they will lie: for comparisons of many. What is slow may still rest on an
 /// edge, and [`Settled::at_rest`] is false.
 pub fn settle_until_slow(scene: &Scene, estimate: &Estimate, limit_s: f64) -> Option<Settled> {
-    simulated(scene, estimate, limit_s, (Some(SLOW_STEPS), &mut ()))
+    simulated(scene, estimate, limit_s, Some(SLOW_STEPS), &mut ())
 }
 
 /// Until all rest, or until all have been slow for so many steps.
@@ -92,7 +92,8 @@ fn simulated(
     scene: &Scene,
     estimate: &Estimate,
     limit_s: f64,
-    (slow_steps, observer): (Option<usize>, &mut dyn Observer),
+    slow_steps: Option<usize>,
+    observer: &mut dyn Observer,
 ) -> Option<Settled> {
     let [_, from_s] = estimate.extent_s()?;
     let states = scene.links.iter();
@@ -308,7 +309,8 @@ impl Simulation {
             self.tied.tie(joined, &moving);
             let joined = Joined::new(
                 &mut self.world,
-                (joined, model),
+                joined,
+                model,
                 &tree.state,
                 &moving,
                 ROLLING_PER_S,

@@ -89,7 +89,7 @@ fn calibrate(
     };
     match (common.format, &found.output) {
         (Format::Ndjson, _) | (_, Some(_)) => {
-            said.print(("enact.calibration/1", &found), |_| text(&found))?;
+            said.print("enact.calibration/1", &found, |_| text(&found))?;
         }
         (Format::Text, None) => {
             output::print(&found.toml)?;
@@ -201,7 +201,7 @@ pub(super) fn scene(arguments: SceneCalibratedArguments) -> anyhow::Result<Exit>
     };
     match (arguments.format, &made.output) {
         (Format::Ndjson, _) | (_, Some(_)) => {
-            said.print(("enact.calibrated_scene/1", &made), |_| changes(&made))?;
+            said.print("enact.calibrated_scene/1", &made, |_| changes(&made))?;
         }
         (Format::Text, None) => {
             output::print(&made.toml)?;

@@ -33,7 +33,7 @@ pub(super) fn run(arguments: ExportArguments) -> anyhow::Result<Exit> {
     if said.is_piped() {
         output::print_notes(&exported.lost, &exported.warnings);
     } else {
-        said.print(("enact.export/1", &exported), |_| text(&exported))?;
+        said.print("enact.export/1", &exported, |_| text(&exported))?;
     }
     let is_whole = exported.lost.is_empty() && exported.verdict == "physical";
     Ok(if is_whole { Exit::Done } else { Exit::NotWhole })

@@ -42,7 +42,7 @@ pub(super) fn run(arguments: ImportArguments) -> anyhow::Result<Exit> {
             return Ok(Exit::Error);
         }
     };
-    said.print(("enact.import/1", &imported), |_| text(&imported))?;
+    said.print("enact.import/1", &imported, |_| text(&imported))?;
     Ok(if imported.lost.is_empty() && imported.against.is_empty() {
         Exit::Done
     } else {

@@ -32,7 +32,7 @@ pub(super) fn run(arguments: MarkArguments) -> anyhow::Result<Exit> {
             return Ok(Exit::Error);
         }
     };
-    said.print(("enact.marks/1", &marked), |_| text(&marked))?;
+    said.print("enact.marks/1", &marked, |_| text(&marked))?;
     Ok(if marked.lost.is_empty() {
         Exit::Done
     } else {

@@ -71,7 +71,8 @@ impl Account {
     /// Prints a value as a line for machines, or as a text, which is told whether colours are wanted.
     pub(super) fn print(
         self,
-        (schema, value): (&str, &impl Serialize),
+        schema: &str,
+        value: &impl Serialize,
         text: impl FnOnce(bool) -> String,
     ) -> anyhow::Result<()> {
         let said = match (self.format, self.is_piped) {

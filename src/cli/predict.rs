@@ -26,7 +26,7 @@ pub(super) fn run(arguments: PredictArguments, verbose: bool) -> anyhow::Result<
             return Ok(Exit::Error);
         }
     };
-    said.print((RECORDING_SCHEMA, &report), |colours| {
+    said.print(RECORDING_SCHEMA, &report, |colours| {
         account(&report, Style { colours, verbose })
     })?;
     Ok(if report.is_whole() {

@@ -29,7 +29,7 @@ pub(super) fn run(arguments: ReplayArguments, verbose: bool) -> anyhow::Result<E
             return Ok(Exit::Error);
         }
     };
-    said.print((RECORDING_SCHEMA, &report), |colours| {
+    said.print(RECORDING_SCHEMA, &report, |colours| {
         account(&report, Style { colours, verbose })
     })?;
     Ok(if report.is_whole() {

@@ -35,7 +35,7 @@ pub(super) fn run(arguments: ReportArguments) -> anyhow::Result<Exit> {
     if said.is_piped() {
         output::print_notes(&made.lost, &made.warnings);
     } else {
-        said.print(("enact.page/1", &made), |_| text(&made))?;
+        said.print("enact.page/1", &made, |_| text(&made))?;
     }
     let is_whole = made.lost.is_empty() && made.verdict == "physical";
     Ok(if is_whole { Exit::Done } else { Exit::NotWhole })

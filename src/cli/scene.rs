@@ -78,7 +78,7 @@ fn new(arguments: NewSceneArguments) -> anyhow::Result<Exit> {
             return Ok(Exit::Error);
         }
     };
-    said.print(("enact.new_scene/1", &made), |_| text_of_made(&made))?;
+    said.print("enact.new_scene/1", &made, |_| text_of_made(&made))?;
     Ok(Exit::Done)
 }
 
@@ -212,7 +212,7 @@ fn from_urdf(arguments: FromUrdfArguments) -> anyhow::Result<Exit> {
             return Ok(Exit::Error);
         }
     };
-    said.print(("enact.scene/1", &imported), |_| text(&imported))?;
+    said.print("enact.scene/1", &imported, |_| text(&imported))?;
     Ok(if imported.lost.is_empty() {
         Exit::Done
     } else {

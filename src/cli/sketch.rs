@@ -29,7 +29,7 @@ pub(super) fn run(arguments: SketchArguments) -> anyhow::Result<Exit> {
             return Ok(Exit::Error);
         }
     };
-    said.print(("enact.sketch/1", &sketched), |_| text(&sketched))?;
+    said.print("enact.sketch/1", &sketched, |_| text(&sketched))?;
     Ok(if sketched.lost.is_empty() {
         Exit::Done
     } else {

@@ -19,7 +19,8 @@ const SIDE_LIMIT_M: f64 = 1e4;
 pub(super) fn board(
     raw: &RawSurface,
     name: &str,
-    (point_m, normal): (Vector3<f64>, Vector3<f64>),
+    point_m: Vector3<f64>,
+    normal: Vector3<f64>,
 ) -> Result<Option<Obstacle>, Fault> {
     let Some(size) = &raw.size_mm else {
         let own = [

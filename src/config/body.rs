@@ -48,7 +48,7 @@ pub(super) fn body(
     let shape = whole(&solids, &names, &link_from_given);
     let mut features = features(raw, &link_from_given)?;
     add_own(&shape, &mut features);
-    let tracks = tracks(raw, (&name, &features, &link_from_given), weights)?;
+    let tracks = tracks(raw, &name, &features, &link_from_given, weights)?;
     let body = FreeBody {
         name,
         topic: tracks

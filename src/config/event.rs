@@ -170,7 +170,7 @@ fn collision(
     let link = link_of(body, scene)?;
     let other = event.other.as_ref();
     let other = other.map(|text| Ok((text, link_of(text, scene)?)));
-    check_collision((body, link), other.transpose()?, scene)?;
+    check_collision(body, link, other.transpose()?, scene)?;
     let (partner, other) = match (&event.surface, &event.other) {
         (Some(_), Some(other)) => {
             return fault(

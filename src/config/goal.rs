@@ -164,7 +164,7 @@ impl<'a> Table<'a> {
             self.used.add(&["axes", "after"]);
         }
         let axes = self.axes()?;
-        let still = self.still(moment, (velocity.is_some(), spin.is_some()))?;
+        let still = self.still(moment, velocity.is_some(), spin.is_some())?;
         let hard = |quantity, (set, sd)| Condition {
             quantity,
             set,
@@ -298,7 +298,8 @@ impl<'a> Table<'a> {
     fn still(
         &mut self,
         moment: Moment,
-        (has_velocity, has_spin): (bool, bool),
+        has_velocity: bool,
+        has_spin: bool,
     ) -> Result<Vec<Condition>, Fault> {
         let raw = self.raw;
         let Some(at_rest) = raw.at_rest.as_ref().filter(|of| *of.get_ref()) else {

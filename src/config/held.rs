@@ -114,7 +114,8 @@ pub(super) fn check_goal(text: &Text, link: LinkIndex, scene: &Scene) -> Result<
 
 /// Refuses collisions in which a held body comes first, or meets another.
 pub(super) fn check_collision(
-    (first, link): (&Text, LinkIndex),
+    first: &Text,
+    link: LinkIndex,
     other: Option<(&Text, LinkIndex)>,
     scene: &Scene,
 ) -> Result<(), Fault> {

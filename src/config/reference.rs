@@ -109,14 +109,15 @@ pub fn scene_reference() -> String {
          bodies in the hand in [held.md](held.md).\n",
     );
     let mut known = BTreeSet::new();
-    add_table(&mut text, ("The whole file", &schema), &schema, &mut known);
+    add_table(&mut text, "The whole file", &schema, &schema, &mut known);
     text
 }
 
 /// Appends a table, and below it the tables that its keys have.
 fn add_table(
     text: &mut String,
-    (title, table): (&str, &Value),
+    title: &str,
+    table: &Value,
     schema: &Value,
     known: &mut BTreeSet<String>,
 ) {
@@ -162,7 +163,7 @@ fn add_table(
                 (false, "shape" | "tracker") => format!("`{key} = {{ … }}`"),
                 (false, _) => format!("`[{name}]`"),
             };
-            add_table(text, (&title, of), schema, known);
+            add_table(text, &title, of, schema, known);
         }
     }
 }

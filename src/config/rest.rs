@@ -79,7 +79,8 @@ fn rest_goal(goal: &RawGoal, face_up: &Text, scene: &Scene) -> Result<RestGoal, 
         axis: axis(
             "face_up",
             &scene.links[link],
-            (face_up.get_ref(), face_up.span()),
+            face_up.get_ref(),
+            face_up.span(),
         )?,
         direction: match &goal.direction {
             Some(given) => direction("direction", given)?,
@@ -102,7 +103,8 @@ fn up(face_up: &Text, scene: &Scene) -> Result<Vector3<f64>, Fault> {
 pub(super) fn axis(
     key: &str,
     link: &Link,
-    (name, span): (&str, Range<usize>),
+    name: &str,
+    span: Range<usize>,
 ) -> Result<Vector3<f64>, Fault> {
     let signed = [("+", 1.0), ("-", -1.0)]
         .into_iter()

@@ -312,7 +312,7 @@ fn surfaces(raw: &[RawSurface], obstacles: &mut Vec<Obstacle>) -> Result<Vec<Sur
         names.take("surface", &surface.name, &name)?;
         let point_m = vector_from_mm("point_mm", &surface.point_mm)?;
         let normal = direction("normal", &surface.normal)?;
-        let board = board(surface, &name, (point_m, normal))?;
+        let board = board(surface, &name, point_m, normal)?;
         let obstacle = match board {
             Some(board) => {
                 let taken = obstacles.iter().map(|o| o.name.as_str());

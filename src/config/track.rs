@@ -13,7 +13,9 @@ use crate::motion::{Feature, LinkIndex, Sees, Track, Weighing, Weights};
 /// [`Scene::add`](crate::motion::Scene::add).
 pub(super) fn tracks(
     raw: &RawBody,
-    (body, features, link_from_given): (&str, &[Feature], &Pose),
+    body: &str,
+    features: &[Feature],
+    link_from_given: &Pose,
     weights: &Weights,
 ) -> Result<Vec<Track>, Fault> {
     let of_body = |topic: String, link_from_tracker: Pose| Track {

@@ -30,9 +30,7 @@ use super::covariance::noise::mean_squares;
 use super::point::Point;
 use super::problem::{Problem, View};
 use super::recipe::Solution;
-use crate::motion::{
-    Fit, FitUntold, Fits, Observer, Performer, Scene, Segment, Sketch, Suspect, Tested,
-};
+use crate::motion::{Fit, FitUntold, Fits, Observer, Performance, Performer, Suspect, Tested};
 
 /// Below this probability of the data under the model they do not fit; above, they may.
 const NOT: f64 = 1e-9;
@@ -68,8 +66,9 @@ impl From<Fit> for Judged {
 /// where it does not, what in the scene may be wrong. Fails where samples tell too little.
 pub fn judge(
     context: &SolveContext,
-    (solution, errors): (&Solution, &[Residuals]),
-    posed: (&Scene, &Sketch, &[Segment]),
+    solution: &Solution,
+    errors: &[Residuals],
+    performance: Performance,
     observer: &mut dyn Observer,
 ) -> Result<Judged, FitUntold> {
     let problem = context.problem;
@@ -102,8 +101,7 @@ pub fn judge(
         by_noise >= WELL || is_hand && by_hand >= likely
     };
     if problem.times_are_unknown() && !is_explained(&fit) {
-        tests =
-            kinder(context, (&alone, tests), solution, observer).ok_or(FitUntold::FewSamples)?;
+        tests = kinder(context, &alone, tests, solution, observer).ok_or(FitUntold::FewSamples)?;
         fit.parts = tests.iter().map(|test| test.fit.clone()).collect();
     }
     let [by_noise, by_hand] = fit.probabilities();
@@ -131,7 +129,7 @@ pub fn judge(
         is_beyond: by_hand < not,
         bins: &bins,
     };
-    let scored = |which| suspects::scored((context, solution), posed, (&noise, which));
+    let scored = |which| suspects::scored(context, solution, performance, &noise, which);
     // What is dear to look into would show in something else too, gravity or an impact's law.
     let is_open = !is_hand
         || by_hand < likely
@@ -139,8 +137,12 @@ pub fn judge(
         || !scored(Which::Cheap).is_empty();
     let tried = is_open.then(|| {
         let scored = scored(Which::All);
-        let of = (scored, &noise, &alone);
-        suspects::tried((context, solution), posed, of, observer)
+        let solved = suspects::Solved {
+            context,
+            solution,
+            alone: &alone,
+        };
+        suspects::tried(&solved, performance, scored, &noise, observer)
     });
     if observer.should_stop() {
         return Err(FitUntold::Stopped);
@@ -170,7 +172,7 @@ fn tests(
     let events = 0..problem.event_is_free.len();
     let test = |event| {
         let has_time = !observer.should_stop();
-        has_time.then(|| event::test(context, alone, (event, &solution.multipliers)))?
+        has_time.then(|| event::test(context, alone, event, &solution.multipliers))?
     };
     let mut tests: Vec<PartTest> = events.filter_map(test).collect();
     let is_tested = |arc: usize| {
@@ -191,7 +193,8 @@ fn tests(
 /// The tests with the kinder answers of those at the flights by themselves and of those at the motion.
 fn kinder(
     context: &SolveContext,
-    (alone, mut tests_alone): (&Alone, Vec<PartTest>),
+    alone: &Alone,
+    mut tests_alone: Vec<PartTest>,
     solution: &Solution,
     observer: &mut dyn Observer,
 ) -> Option<Vec<PartTest>> {

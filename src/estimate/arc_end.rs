@@ -69,7 +69,8 @@ impl ArcEnd {
     pub(super) fn new(
         body: &Body,
         gravity_m_s2: &Vector3<f64>,
-        (state, epoch_s): (&State, f64),
+        state: &State,
+        epoch_s: f64,
         time_s: f64,
     ) -> Self {
         let duration_s = time_s - epoch_s;

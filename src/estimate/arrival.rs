@@ -28,14 +28,15 @@ impl Arrival {
     pub(super) fn new(
         problem: &Problem,
         point: &Point,
-        (arc, epoch_s): (usize, f64),
+        arc: usize,
+        epoch_s: f64,
         time_s: f64,
     ) -> Option<Self> {
         let dynamics = problem.dynamics_at(&point.parameters)?;
         let Dynamics::Free(body) = &dynamics[problem.arcs[arc].mechanism];
         let gravity_m_s2 = problem.gravity(&point.parameters);
         let state: &State = &point.arcs[arc];
-        let end = ArcEnd::new(body, &gravity_m_s2, (state, epoch_s), time_s);
+        let end = ArcEnd::new(body, &gravity_m_s2, state, epoch_s, time_s);
         let s = end.duration_s;
         let is_moment = |acting: &&Acting| matches!(acting.influence, Influence::Moment(_));
         let by_moments = match problem.arcs[arc].acting.iter().find(is_moment) {

@@ -129,14 +129,15 @@ impl Bound {
         let layout = Layout::new(&problem);
         let start = Point::new(&problem, &guess);
         let context = SolveContext::new(&problem, &layout, recipe::epochs_s(&guess), &start);
-        let schedule = recipe.schedule.scaled(context.information());
+        let (least, most) = context.information();
+        let schedule = recipe.schedule.scaled(least, most);
         let lead = Lead::new(&context, &start, recipe);
         let weight = *schedule.sweep_weights.last().expect("a sweep");
         let leading = lead.guidance(schedule::Stage::Sweep { weight });
         let exact = Guidance::none();
         let mut run = match self.place.take() {
             Some(place) => {
-                Tightening::resumed(&context, self.stage, (&leading, &exact), &schedule, place)
+                Tightening::resumed(&context, self.stage, &leading, &exact, &schedule, place)
             }
             None => Tightening::new(&context, &leading, &schedule, start),
         };
@@ -147,11 +148,11 @@ impl Bound {
         while self.stage != BoundStage::Done && self.cost <= ceiling {
             match self.stage {
                 BoundStage::Sweep { steps } => {
-                    self.sweep(&mut run, steps, (&leading, &exact), &schedule)
+                    self.sweep(&mut run, steps, &leading, &exact, &schedule)
                 }
                 BoundStage::Round { number, steps } => {
                     let is_last = number + 1 == ROUNDS || !is_tied;
-                    self.round(&mut run, (number, steps, is_last), &exact, &schedule);
+                    self.round(&mut run, number, steps, is_last, &exact, &schedule);
                 }
                 BoundStage::Done => {}
             }
@@ -168,7 +169,8 @@ impl Bound {
         &mut self,
         run: &mut Tightening,
         steps: usize,
-        (leading, exact): (&Guidance, &Guidance),
+        leading: &Guidance,
+        exact: &Guidance,
         schedule: &Schedule,
     ) {
         let (taken, gained) = run.leg(leading, SWEEP_GAIN * schedule.gain);
@@ -208,7 +210,9 @@ impl Bound {
     fn round(
         &mut self,
         run: &mut Tightening,
-        (number, steps, is_last): (usize, usize, bool),
+        number: usize,
+        steps: usize,
+        is_last: bool,
         exact: &Guidance,
         schedule: &Schedule,
     ) {
@@ -257,7 +261,8 @@ impl<'a> Tightening<'a> {
     fn resumed(
         context: &'a SolveContext<'a>,
         stage: BoundStage,
-        (leading, exact): (&Guidance, &Guidance),
+        leading: &Guidance,
+        exact: &Guidance,
         schedule: &Schedule,
         place: Standing,
     ) -> Self {

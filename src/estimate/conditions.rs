@@ -14,7 +14,8 @@ use crate::physics::contact::Feature;
 /// The conditions whose arcs are all there.
 pub(super) fn conditions(
     scene: &Scene,
-    (arcs, collisions): (&[Arc], &[ArcCollision]),
+    arcs: &[Arc],
+    collisions: &[ArcCollision],
     gravity_parameters: &[Option<usize>; 3],
 ) -> Vec<ArcCondition> {
     let mut conditions: Vec<ArcCondition> = Vec::new();
@@ -25,12 +26,7 @@ pub(super) fn conditions(
         if is_implied(scene, index, condition) {
             continue;
         }
-        let posed = posed(
-            scene,
-            (arcs, collisions),
-            gravity_parameters,
-            (goal, condition),
-        );
+        let posed = posed(scene, arcs, collisions, gravity_parameters, goal, condition);
         conditions.extend(posed);
     }
     conditions
@@ -64,14 +60,16 @@ fn is_implied(scene: &Scene, index: usize, condition: &Condition) -> bool {
 
 fn posed(
     scene: &Scene,
-    (arcs, collisions): (&[Arc], &[ArcCollision]),
+    arcs: &[Arc],
+    collisions: &[ArcCollision],
     gravity_parameters: &[Option<usize>; 3],
-    (goal, condition): (&Goal, &Condition),
+    goal: &Goal,
+    condition: &Condition,
 ) -> Option<ArcCondition> {
     let event = goal.event;
     let arc_of = |link: LinkIndex| {
         let mechanism = scene.mechanism_of(link);
-        flight_at(scene, arcs, mechanism, (event, condition.moment))
+        flight_at(scene, arcs, mechanism, event, condition.moment)
     };
     let mut rows = match &condition.set {
         set @ GoalSet::Box { .. } => Rows::Axes(bounded_axes(set, condition.quantity.dimension())),
@@ -110,7 +108,8 @@ fn posed(
     Some(ArcCondition {
         event,
         acting: acting(
-            (arcs, &arcs_of),
+            arcs,
+            &arcs_of,
             gravity_parameters,
             surface.unwrap_or_default(),
         ),
@@ -155,7 +154,8 @@ pub(super) fn flight_at(
     scene: &Scene,
     arcs: &[Arc],
     mechanism: MechanismIndex,
-    (event, moment): (usize, Moment),
+    event: usize,
+    moment: Moment,
 ) -> Option<usize> {
     let of_it = |arc: &&Arc| arc.mechanism == mechanism;
     let found = |is_it: &dyn Fn(&Arc) -> bool| {
@@ -184,7 +184,8 @@ pub(super) fn flight_at(
 
 /// What acts on arcs, and on a surface that is touched.
 fn acting(
-    (arcs, of): (&[Arc], &[usize]),
+    arcs: &[Arc],
+    of: &[usize],
     gravity_parameters: &[Option<usize>; 3],
     at_collision: &[Acting],
 ) -> Vec<ActingParameter> {

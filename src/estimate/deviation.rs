@@ -14,11 +14,18 @@ pub fn fill(
     estimate: &mut Estimate,
     scene: &Scene,
     context: &SolveContext,
-    (solution, found): (&Solution, Option<&[Residuals]>),
+    solution: &Solution,
+    found: Option<&[Residuals]>,
 ) {
-    let at = (&solution.point, &solution.system);
-    let covariance =
-        found.and_then(|errors| Covariance::new(context, at, &solution.multipliers, errors));
+    let covariance = found.and_then(|errors| {
+        Covariance::new(
+            context,
+            &solution.point,
+            &solution.system,
+            &solution.multipliers,
+            errors,
+        )
+    });
     let sds = |moments: &[Moment]| match &covariance {
         Some(covariance) => covariance.sds(moments),
         None => vec![None; moments.len()],

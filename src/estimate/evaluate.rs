@@ -42,7 +42,7 @@ impl Program for SolveContext<'_> {
     }
 
     fn evaluate(&self, guidance: &Guidance, point: &Point, system: &mut System) {
-        let mut objective = Objective::new(self, (guidance, point), system);
+        let mut objective = Objective::new(self, guidance, point, system);
         objective.add_samples();
         objective.add_priors();
         objective.add_pulls();
@@ -135,8 +135,7 @@ impl SolveContext<'_> {
             let pull = |row: usize| weight * block.violation(row);
             block.add_pull(pattern, pull, &mut system.gradient);
             let acts = |row: usize| f64::from(block.acts(row)) * weight;
-            let to = (&structure.pattern, &mut system.hessian);
-            block.add_square(pattern, acts, to);
+            block.add_square(pattern, acts, &structure.pattern, &mut system.hessian);
             for of in block.convex(pattern, pull) {
                 system
                     .hessian

@@ -36,7 +36,7 @@ pub fn align(context: &SolveContext, point: &mut Point) {
         if context.problem.event_is_free[event] && turned_rad >= FAST_RAD {
             let reach_s = REACH_SAMPLES * interval_s;
             let steps = (REACH_SAMPLES * turned_rad / STEP_RAD).ceil();
-            point.event_times_s[event] = nearest_s(context, point, event, (reach_s, steps as i32));
+            point.event_times_s[event] = nearest_s(context, point, event, reach_s, steps as i32);
             context.problem.hold(point, Some(event));
         }
     }
@@ -69,12 +69,7 @@ fn between_samples(problem: &Problem, point: &Point, event: usize) -> (f64, f64)
 
 /// The best of a grid of times about an event's, refined to the minimum of the parabola through it
 /// and its neighbours \[s\].
-fn nearest_s(
-    context: &SolveContext,
-    point: &Point,
-    event: usize,
-    (reach_s, steps): (f64, i32),
-) -> f64 {
+fn nearest_s(context: &SolveContext, point: &Point, event: usize, reach_s: f64, steps: i32) -> f64 {
     let mut point = point.clone();
     let around_s = point.event_times_s[event];
     let step_s = reach_s / f64::from(steps);

@@ -52,7 +52,8 @@ struct Clock {
 impl HeldState {
     /// A body whose tracker moves so, mounted so, at one of the motion's meetings.
     pub fn new(
-        (track, motion): (TrackIndex, &HeldMotion),
+        track: TrackIndex,
+        motion: &HeldMotion,
         mount: &Pose,
         meeting: &Meeting,
         acting: Vec<Acting>,

@@ -59,7 +59,8 @@ impl Pace {
 
 /// The motions of the scene's held bodies; `flown` are the physical times of the samples of flights.
 pub(super) fn estimates(
-    (scene, sketch): (&Scene, &Sketch),
+    scene: &Scene,
+    sketch: &Sketch,
     problem: &Problem,
     point: &Point,
     flown: &[SampleTime],
@@ -76,7 +77,8 @@ pub(super) fn estimates(
             scene,
             sketch,
             hits.first().map(|(held, _)| *held),
-            (point, flown),
+            point,
+            flown,
         ) else {
             continue;
         };
@@ -84,7 +86,7 @@ pub(super) fn estimates(
             Some((held, _)) => held.mount_at(&point.parameters),
             None => scene.tracks[track].link_from_tracker,
         };
-        let (knots, times) = in_time((track, of, motion), &mount, &pace);
+        let (knots, times) = in_time(track, of, motion, &mount, &pace);
         let passed = hits.iter().map(|(held, state)| Passed {
             event: held.event,
             time_s: point.event_times_s[held.event],
@@ -99,7 +101,9 @@ pub(super) fn estimates(
 
 /// The smoothed motion of a body whose tracker is mounted so, and its samples, in physical time.
 pub(super) fn in_time(
-    (track, of, motion): (TrackIndex, &TrackSketch, &HeldMotion),
+    track: TrackIndex,
+    of: &TrackSketch,
+    motion: &HeldMotion,
     mount: &Pose,
     pace: &Pace,
 ) -> (Vec<Knot>, Vec<SampleTime>) {
@@ -124,7 +128,8 @@ fn pace(
     scene: &Scene,
     sketch: &Sketch,
     hit: Option<&HeldState>,
-    (point, flown): (&Point, &[SampleTime]),
+    point: &Point,
+    flown: &[SampleTime],
 ) -> Option<Pace> {
     if matches!(scene.timing, Timing::Unknown { .. }) {
         return TimeMap::new(flown, sketch.origin).map(Pace::Map);

@@ -144,7 +144,8 @@ impl<const IS_COUPLED: bool> Weighed<IS_COUPLED> {
     pub(super) fn new(
         four: &Four,
         informations: &[Matrix6<f64>],
-        (mount_m, seen_m): (&Vector3<f64>, &Vector3<f64>),
+        mount_m: &Vector3<f64>,
+        seen_m: &Vector3<f64>,
     ) -> Self {
         let weights = four.indices.map(|index| &informations[index]);
         let entry = |row: usize, column: usize| {

@@ -109,7 +109,8 @@ impl Problem {
     /// Physical time of a sample of an arc \[s\].
     pub fn sample_time_s(
         &self,
-        (arc, track): (usize, TrackIndex),
+        arc: usize,
+        track: TrackIndex,
         sample: &ArcSample,
         point: &Point,
     ) -> f64 {

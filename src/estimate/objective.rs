@@ -34,7 +34,8 @@ impl<'a> Objective<'a> {
     /// An objective without terms.
     pub(super) fn new(
         context: &'a SolveContext,
-        (guidance, point): (&'a Guidance, &'a Point),
+        guidance: &'a Guidance,
+        point: &'a Point,
         system: &'a mut System,
     ) -> Self {
         system.cost = 0.0;
@@ -64,16 +65,16 @@ impl<'a> Objective<'a> {
                 let sums = (sums, stride);
                 let terms = samples::known_times(body, view, sums, flight, &gravity, times_s);
                 self.add_arc(layout.arcs[index], &terms);
-            } else if problem.is_short((index, view)) {
-                self.add_short((index, view), body, &gravity);
+            } else if problem.is_short(index, view) {
+                self.add_short(index, view, body, &gravity);
             } else {
-                self.add_general((index, view), &gravity);
+                self.add_general(index, view, &gravity);
             }
         }
     }
 
     /// Adds the residuals of a view in general; infinitely many where no body has such moments.
-    fn add_general(&mut self, (index, view): (usize, &View), gravity_m_s2: &Vector3<f64>) {
+    fn add_general(&mut self, index: usize, view: &View, gravity_m_s2: &Vector3<f64>) {
         let (problem, layout) = (self.context.problem, self.context.layout);
         let arc = &problem.arcs[index];
         let Some(dynamics) = problem.dynamics_at(&self.point.parameters) else {

@@ -41,17 +41,18 @@ pub fn estimate(
     scene: &Scene,
     sketch: &Sketch,
     context: &SolveContext,
-    (solution, errors): (&Solution, &[Residuals]),
+    solution: &Solution,
+    errors: &[Residuals],
     counters: Counters,
 ) -> Estimate {
     let problem = context.problem;
     let point = &solution.point;
     let events = events(scene, sketch, problem, solution);
     let arcs = arcs(problem, context, point, &events);
-    let (verdict, end) = judge(problem, solution, (&events, &arcs));
+    let (verdict, end) = judge(problem, solution, &events, &arcs);
     let parameters = problem.parameters.iter().zip(&point.parameters);
     let sample_times = sample_times(problem, point);
-    let held = held_motion::estimates((scene, sketch), problem, point, &sample_times);
+    let held = held_motion::estimates(scene, sketch, problem, point, &sample_times);
     Estimate {
         verdict,
         reason: Reason::from(end),
@@ -75,7 +76,8 @@ pub fn estimate(
                 value: *value,
                 sd: None,
                 at_bound: at_bound(
-                    (&problem.parameters, &problem.cones),
+                    &problem.parameters,
+                    &problem.cones,
                     &point.parameters,
                     index,
                 ),
@@ -158,7 +160,8 @@ pub(super) fn progress(finished: &Finished) -> Progress {
 fn judge(
     problem: &Problem,
     solution: &Solution,
-    (events, arcs): (&[EventEstimate], &[ArcEstimate]),
+    events: &[EventEstimate],
+    arcs: &[ArcEstimate],
 ) -> (Verdict, End) {
     let is_bent = problem.velocity_gap_weight.is_some();
     let finished = &solution.finished;
@@ -250,7 +253,7 @@ fn arcs(
         let views = problem.arcs[arc].views.iter();
         views.flat_map(move |view| {
             let samples = view.samples.iter();
-            samples.map(move |s| problem.sample_time_s((arc, view.track), s, point))
+            samples.map(move |s| problem.sample_time_s(arc, view.track, s, point))
         })
     };
     let mut arcs: Vec<ArcEstimate> = problem
@@ -353,7 +356,7 @@ fn sample_times(problem: &Problem, point: &Point) -> Vec<SampleTime> {
                 times.push(SampleTime {
                     track: view.track,
                     stamp: sample.stamp,
-                    time_s: problem.sample_time_s((arc, view.track), sample, point),
+                    time_s: problem.sample_time_s(arc, view.track, sample, point),
                     is_open: sample.open.is_some(),
                 });
             }

@@ -97,12 +97,14 @@ impl Problem {
             .collect();
         let (mut ordered, mut time_bounds) = (
             ordered(&arcs, &event_is_free),
-            time_bounds(scene, sketch, (&event_is_free, &nodes.acted_s)),
+            time_bounds(scene, sketch, &event_is_free, &nodes.acted_s),
         );
         let within = waypoint::kept_within(
             scene,
-            (sketch, &nodes.acted_s),
-            (&arcs, &waypoints),
+            sketch,
+            &nodes.acted_s,
+            &arcs,
+            &waypoints,
             &event_is_free,
         );
         ordered.extend(within.0);
@@ -110,19 +112,13 @@ impl Problem {
         let marks = marks(scene, sketch, &event_is_free, &nodes.acted_s);
         let mut held = Vec::new();
         let hold = |event| {
-            let of = hold(scene, sketch, (&roles, &nodes.acted_s), event)?;
+            let of = hold(scene, sketch, &roles, &nodes.acted_s, event)?;
             held.push(of);
             Some(held.len() - 1)
         };
-        let collisions = collisions(
-            scene,
-            &arcs,
-            (&roles, &gravity_parameters),
-            &parameter,
-            hold,
-        );
+        let collisions = collisions(scene, &arcs, &roles, &gravity_parameters, &parameter, hold);
         Self {
-            conditions: conditions(scene, (&arcs, &collisions), &gravity_parameters),
+            conditions: conditions(scene, &arcs, &collisions, &gravity_parameters),
             dynamics: scene
                 .mechanisms
                 .keys()
@@ -231,7 +227,8 @@ fn marks(
 fn time_bounds(
     scene: &Scene,
     sketch: &Sketch,
-    (event_is_free, nodes_acted_s): (&[bool], &[f64]),
+    event_is_free: &[bool],
+    nodes_acted_s: &[f64],
 ) -> Vec<TimeBound> {
     let is_known = !matches!(scene.timing, Timing::Unknown { .. });
     let mut bounds = Vec::new();
@@ -270,7 +267,8 @@ fn time_bounds(
 fn collisions(
     scene: &Scene,
     arcs: &[Arc],
-    (roles, gravity_parameters): (&[Role], &[Option<usize>; 3]),
+    roles: &[Role],
+    gravity_parameters: &[Option<usize>; 3],
     parameter: &impl Fn(Quantity) -> Option<usize>,
     mut hold: impl FnMut(usize) -> Option<usize>,
 ) -> Vec<ArcCollision> {
@@ -347,7 +345,8 @@ fn collisions(
 fn hold(
     scene: &Scene,
     sketch: &Sketch,
-    (roles, nodes_acted_s): (&[Role], &[f64]),
+    roles: &[Role],
+    nodes_acted_s: &[f64],
     event: usize,
 ) -> Option<HeldState> {
     let collision = scene.events[event].kind.collision()?;
@@ -366,7 +365,8 @@ fn hold(
         Timing::Known | Timing::Edited => None,
     };
     Some(HeldState::new(
-        (track, motion),
+        track,
+        motion,
         &scene.tracks[track].link_from_tracker,
         motion
             .meeting(event)
@@ -388,7 +388,7 @@ fn goals(scene: &Scene, arcs: &[Arc]) -> Vec<ArcGoal> {
                     .position(|arc| arc.mechanism == mechanism && arc.start == Some(goal.event))
             });
         // Through the events of others a body flies on.
-        let through = || flight_at(scene, arcs, mechanism, (goal.event, Moment::Before));
+        let through = || flight_at(scene, arcs, mechanism, goal.event, Moment::Before);
         let Some(arc) = arc.or_else(through) else {
             continue;
         };

@@ -80,8 +80,8 @@ pub fn solve(
     recipe: &Recipe,
     observer: &mut dyn Observer,
 ) -> Solution {
-    let start = || (Point::new(problem, guess), epochs_s(guess));
-    let solution = solve_from(problem, layout, start(), recipe, observer);
+    let start = || Point::new(problem, guess);
+    let solution = solve_from(problem, layout, start(), epochs_s(guess), recipe, observer);
     let is_moved = recipe.moves_waypoints
         && !recipe.schedule.sweep_weights.is_empty()
         && !problem.waypoints.is_empty();
@@ -92,7 +92,7 @@ pub fn solve(
         moves_waypoints: false,
         ..recipe.clone()
     };
-    let mut again = solve_from(problem, layout, start(), &recipe, observer);
+    let mut again = solve_from(problem, layout, start(), epochs_s(guess), &recipe, observer);
     again.work.add(&solution.work);
     if again.finished.converged {
         return again;
@@ -107,7 +107,8 @@ pub fn solve(
 pub fn solve_from(
     problem: &Problem,
     layout: &Layout,
-    (mut start, epochs_s): (Point, Vec<f64>),
+    mut start: Point,
+    epochs_s: Vec<f64>,
     recipe: &Recipe,
     observer: &mut dyn Observer,
 ) -> Solution {

@@ -212,10 +212,15 @@ pub fn known_times(
         let readings = view.samples.iter().skip(stride / 2).step_by(stride);
         let weight =
             view.samples.len() as f64 / (readings.len().max(1) as f64 * unit_rad * unit_rad);
-        let start = (&state.orientation, &state.angular_velocity_rad_s);
         let readings =
             readings.map(|sample| (sample.time_s(times_s) - epoch_s, &sample.orientation));
-        terms.turn = TurnTerms::of(body, start, readings).weighed(weight);
+        terms.turn = TurnTerms::of(
+            body,
+            &state.orientation,
+            &state.angular_velocity_rad_s,
+            readings,
+        )
+        .weighed(weight);
     }
     if unit_m.is_finite() {
         sums.add_to(&mut terms, state, gravity_m_s2, unit_m);

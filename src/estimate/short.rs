@@ -26,7 +26,7 @@ use crate::physics::{Body, Dynamics};
 impl Problem {
     /// Whether the short forms serve for a view: its arc is a parabola on which at most gravity acts,
     /// and of what it shows nothing else is free but times.
-    pub(super) fn is_short(&self, (index, view): (usize, &View)) -> bool {
+    pub(super) fn is_short(&self, index: usize, view: &View) -> bool {
         let arc = &self.arcs[index];
         let Dynamics::Free(body) = self.dynamics_of(index);
         // The sums of levers and of covariances know no free gravity.
@@ -67,7 +67,7 @@ struct Stamped<'a> {
 }
 
 impl<'a> Stamped<'a> {
-    fn new(problem: &'a Problem, (arc, view): (usize, &'a View), point: &'a Point) -> Self {
+    fn new(problem: &'a Problem, arc: usize, view: &'a View, point: &'a Point) -> Self {
         let mut stamped = Self {
             problem,
             arc,
@@ -182,15 +182,15 @@ impl<'a> ByTimes<'a> {
             if let Some(own) = own {
                 objective.add_pair(own, at, share * squares[0]);
             }
-            self.add_with_clock(objective, at, (share * squares[1], by_rate));
+            self.add_with_clock(objective, at, share * squares[1], by_rate);
         }
         if let Some(own) = own {
-            self.add_with_clock(objective, own, (squares[1], by_rate));
+            self.add_with_clock(objective, own, squares[1], by_rate);
         }
     }
 
     /// Adds the terms by another unknown and by each of the clock's.
-    fn add_with_clock(&self, objective: &mut Objective, at: usize, (square, by_rate): (f64, f64)) {
+    fn add_with_clock(&self, objective: &mut Objective, at: usize, square: f64, by_rate: f64) {
         for (parameter, is_rate) in self.stamped.clocks() {
             let with = objective.context.layout.parameters[parameter];
             objective.add_pair(with, at, if is_rate { square * by_rate } else { square });
@@ -223,7 +223,8 @@ impl Objective<'_> {
     /// Adds the residuals of a view for which the short forms serve.
     pub(super) fn add_short(
         &mut self,
-        (index, view): (usize, &View),
+        index: usize,
+        view: &View,
         body: &Body,
         gravity_m_s2: &Vector3<f64>,
     ) {
@@ -231,7 +232,7 @@ impl Objective<'_> {
         let (state, epoch_s) = (&self.point.arcs[index], self.context.epochs_s[index]);
         let at = self.context.layout.arcs[index];
         let stride = self.guidance.stride(view);
-        let stamped = Stamped::new(problem, (index, view), self.point);
+        let stamped = Stamped::new(problem, index, view, self.point);
         let time_s = |sample: &ArcSample| stamped.time_s(sample);
         let mut by_times = ByTimes::new(&stamped, stride);
         let each = |sample: &ArcSample, terms: &TimeTerms| by_times.add(self, sample, terms);
@@ -258,7 +259,6 @@ impl Objective<'_> {
             Shows::Pose => mount_m,
             _ => Vector3::zeros(),
         };
-        let places_m = (&mount_m, &told_m);
         let counts = view.units.map(|unit| 1.0 / (unit * unit));
         let has_lever = view.shows.kinds()[0] && mount_m != Vector3::zeros();
         let terms = match view.shows {
@@ -271,11 +271,11 @@ impl Objective<'_> {
                 along.terms(time_s, rows, each)
             }
             _ if has_lever || !are_apart(weights) => {
-                let rows = |four: &Four| Weighed::<true>::new(four, weights, places_m);
+                let rows = |four: &Four| Weighed::<true>::new(four, weights, &mount_m, &told_m);
                 along.terms(time_s, rows, each)
             }
             _ => {
-                let rows = |four: &Four| Weighed::<false>::new(four, weights, places_m);
+                let rows = |four: &Four| Weighed::<false>::new(four, weights, &mount_m, &told_m);
                 along.terms(time_s, rows, each)
             }
         };

@@ -17,8 +17,8 @@ use super::point::Point;
 use super::problem::Problem;
 use super::recipe::{self, Recipe, Solution};
 use crate::motion::{
-    Counters, End, Estimate, FitUntold, Guess, Observer, Phase, Quiet, Scene, Segment, Sketch,
-    VelocityGaps, Verdict,
+    Counters, End, Estimate, FitUntold, Guess, Observer, Performance, Phase, Quiet, Scene, Segment,
+    Sketch, VelocityGaps, Verdict,
 };
 use crate::optimise::{Program, Work};
 
@@ -42,7 +42,7 @@ impl Solved {
     /// does not. One that failed explains nothing.
     /// Where that hints at a better optimum the motion there is looked for, and judged instead; one that was led to its
     /// rest is no optimum, and stays.
-    pub fn judge(&mut self, performed: (&Scene, &Sketch, &[Segment]), observer: &mut dyn Observer) {
+    pub fn judge(&mut self, performance: Performance, observer: &mut dyn Observer) {
         if self.estimate.verdict == Verdict::Failed {
             self.estimate.fit = Err(FitUntold::NoMotion);
             return;
@@ -52,18 +52,18 @@ impl Solved {
             return;
         }
         observer.phase(Phase::Adequacy);
-        let mut judged = self.judged(performed, observer);
+        let mut judged = self.judged(performance, observer);
         let start = judged.as_mut().ok().and_then(|judged| judged.start.take());
         let is_led = matches!(self.estimate.reason.end, End::Simulated(_));
         let start = start.filter(|_| !is_led);
-        if start.is_some_and(|start| self.improve(performed, start, observer)) {
-            judged = self.judged(performed, observer);
+        if start.is_some_and(|start| self.improve(performance, start, observer)) {
+            judged = self.judged(performance, observer);
         }
         self.estimate.fit = judged.map(|judged| {
             self.estimate.suspects = judged.suspects;
             judged.fit
         });
-        let leanings = adequacy::leanings((&self.context(), &self.solution), performed);
+        let leanings = adequacy::leanings(&self.context(), &self.solution, performance);
         for (event, leaning) in self.estimate.events.iter_mut().zip(leanings) {
             event.leaning = leaning;
         }
@@ -71,11 +71,16 @@ impl Solved {
 
     fn judged(
         &self,
-        performed: (&Scene, &Sketch, &[Segment]),
+        performance: Performance,
         observer: &mut dyn Observer,
     ) -> Result<Judged, FitUntold> {
-        let found = (&self.solution, self.errors.as_slice());
-        adequacy::judge(&self.context(), found, performed, observer)
+        adequacy::judge(
+            &self.context(),
+            &self.solution,
+            &self.errors,
+            performance,
+            observer,
+        )
     }
 
     /// At the solution.
@@ -87,14 +92,20 @@ impl Solved {
     /// Solves again from a point, and takes the motion there if its objective is lower.
     fn improve(
         &mut self,
-        (scene, sketch, _): (&Scene, &Sketch, &[Segment]),
+        performance: Performance,
         start: Point,
         observer: &mut dyn Observer,
     ) -> bool {
         let Posed { problem, layout } = &self.posed;
-        let from = (start, self.epochs_s.clone());
         let recipe = Recipe::default().from_the_last();
-        let found = recipe::solve_from(problem, layout, from, &recipe, &mut Quiet(observer));
+        let found = recipe::solve_from(
+            problem,
+            layout,
+            start,
+            self.epochs_s.clone(),
+            &recipe,
+            &mut Quiet(observer),
+        );
         let lower = BETTER * self.solution.system.cost;
         let is_better = found.finished.converged && found.system.cost < lower;
         if !is_better {
@@ -104,8 +115,14 @@ impl Solved {
         add(&mut counters, &found.work, 1);
         let context = self.posed.context(self.epochs_s.clone(), &found.point);
         let errors = outcome::errors(problem, &context, &found.point);
-        let ended = (&found, errors.as_slice());
-        let estimate = outcome::estimate(scene, sketch, &context, ended, counters);
+        let estimate = outcome::estimate(
+            performance.scene,
+            performance.sketch,
+            &context,
+            &found,
+            &errors,
+            counters,
+        );
         if estimate.verdict > self.estimate.verdict {
             return false;
         }
@@ -130,7 +147,7 @@ impl Solved {
         let context = posed.context(epochs_s, &solution.point);
         // Without time for them nothing is told to be determined.
         let errors = (!observer.should_stop()).then_some(errors.as_slice());
-        deviation::fill(&mut estimate, scene, &context, (&solution, errors));
+        deviation::fill(&mut estimate, scene, &context, &solution, errors);
         estimate
     }
 }
@@ -193,8 +210,7 @@ pub fn estimate(
     let posed = bent.unwrap_or(exact);
     let context = posed.context(recipe::epochs_s(&guesses[best]), &solution.point);
     let errors = outcome::errors(&posed.problem, &context, &solution.point);
-    let ended = (&solution, errors.as_slice());
-    let mut estimate = outcome::estimate(scene, sketch, &context, ended, work);
+    let mut estimate = outcome::estimate(scene, sketch, &context, &solution, &errors, work);
     estimate.rivals = rivals;
     Solved {
         estimate,
@@ -277,7 +293,7 @@ pub fn best(
     let order = |a: &usize, b: &usize| rank(&found[*a]).partial_cmp(&rank(&found[*b]));
     let lowest = (0..starts).min_by(|a, b| order(a, b).unwrap_or(Ordering::Equal));
     let lowest = lowest.expect("at least one guess");
-    let alike = rivals::alike(problem, layout, (&found, guesses), lowest);
+    let alike = rivals::alike(problem, layout, &found, guesses, lowest);
     let guess = alike.first().copied().unwrap_or(lowest);
     let mut solution = found.swap_remove(guess);
     solution.work = work;

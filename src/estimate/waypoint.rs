@@ -25,7 +25,7 @@ pub(super) fn waypoints(scene: &Scene, arcs: &[Arc]) -> Vec<Waypoint> {
     let all = events.filter_map(|(event, of)| Some((event, of.kind.waypoint()?)));
     let on_arcs = all.filter_map(|(event, link)| {
         let mechanism = scene.mechanism_of(link);
-        let arc = flight_at(scene, arcs, mechanism, (event, Moment::Before))?;
+        let arc = flight_at(scene, arcs, mechanism, event, Moment::Before)?;
         Some(Waypoint { event, arc })
     });
     on_arcs.collect()
@@ -34,8 +34,10 @@ pub(super) fn waypoints(scene: &Scene, arcs: &[Arc]) -> Vec<Waypoint> {
 /// What keeps waypoints within the flights of the bodies that their goals are about.
 pub(super) fn kept_within(
     scene: &Scene,
-    (sketch, nodes_acted_s): (&Sketch, &[f64]),
-    (arcs, waypoints): (&[Arc], &[Waypoint]),
+    sketch: &Sketch,
+    nodes_acted_s: &[f64],
+    arcs: &[Arc],
+    waypoints: &[Waypoint],
     event_is_free: &[bool],
 ) -> (Vec<Ordered>, Vec<TimeBound>) {
     let (mut ordered, mut bounds) = (Vec::new(), Vec::new());
@@ -73,7 +75,7 @@ pub(super) fn kept_within(
         };
         let own = arcs[waypoint.arc].mechanism;
         for mechanism in mechanisms(scene, event, own) {
-            let Some(arc) = flight_at(scene, arcs, mechanism, (event, Moment::Before)) else {
+            let Some(arc) = flight_at(scene, arcs, mechanism, event, Moment::Before) else {
                 continue;
             };
             let is_beside = |other: &usize| {

@@ -39,7 +39,9 @@ pub struct Whitened {
 impl Whitened {
     /// Those of an arc at an optimum; `None` where its covariance is not finite.
     pub fn new(
-        (context, system, covariance): (&SolveContext, &System, &Covariance),
+        context: &SolveContext,
+        system: &System,
+        covariance: &Covariance,
         arc: usize,
         origin: &State,
     ) -> Option<Self> {

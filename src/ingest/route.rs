@@ -94,7 +94,7 @@ pub(super) fn routes(
                 Some(resolved) => resolved,
                 None => {
                     let body = &scene.link_seen_by(index).name;
-                    elsewhere((path, container), body, &wanted, notes)?
+                    elsewhere(path, container, body, &wanted, notes)?
                 }
             };
             let format = |name: &str, encoding: &str| match (name, encoding) {
@@ -232,7 +232,8 @@ fn resolve(present: &BTreeSet<&str>, topic: &str) -> Option<Resolved> {
 /// Where a body is whose topic is not in the recording: on the only one that names it, where the scene has none of its
 /// own for it. Fails else, with where it may be.
 fn elsewhere(
-    (path, container): (&Path, &Container),
+    path: &Path,
+    container: &Container,
     body: &str,
     wanted: &str,
     notes: &mut Vec<String>,

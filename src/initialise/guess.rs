@@ -43,7 +43,7 @@ pub fn guess(
     observer: &mut dyn Observer,
 ) -> Guessed {
     if keyed::applies(scene, sketch, segments) {
-        let mut guesses = keyed::guesses(scene, sketch, segments, (GUESSES_MAX, observer));
+        let mut guesses = keyed::guesses(scene, sketch, segments, GUESSES_MAX, observer);
         for guess in &mut guesses {
             open_times::place(scene, sketch, segments, guess);
         }
@@ -70,7 +70,7 @@ pub fn guess(
         Some([first_s, last_s]) if is_fitted(segment) => 0.5 * (first_s + last_s),
         _ => between_marks_s(sketch, segment),
     };
-    let rates = rates(scene, (segments, &readings), &middle_s, known);
+    let rates = rates(scene, segments, &readings, &middle_s, known);
     let time_line = TimeLine::new(scene, sketch, segments, &rates);
     let mut fit_iterations = 0;
     let mut fits: Vec<Vec<Fit>> = Vec::new();
@@ -144,7 +144,7 @@ pub fn guess(
     } else {
         GUESSES_MAX
     };
-    let fitted = combine(segments, &guess, (&fits, most));
+    let fitted = combine(segments, &guess, &fits, most);
     let rolled = roll::guesses(scene, segments, &readings, fitted).into_iter();
     let filled = rolled.flat_map(|guess| unseen::guesses(scene, segments, &readings, guess));
     let mut guesses: Vec<Guess> = filled.collect();
@@ -167,7 +167,7 @@ fn between_marks_s(sketch: &Sketch, segment: &Segment) -> f64 {
 
 /// The guess with every choice of the fitted flights' fits, those with the least sum of squares
 /// first.
-fn combine(segments: &[Segment], guess: &Guess, (fits, most): (&[Vec<Fit>], usize)) -> Vec<Guess> {
+fn combine(segments: &[Segment], guess: &Guess, fits: &[Vec<Fit>], most: usize) -> Vec<Guess> {
     let mut choices: Vec<(f64, Vec<Fit>)> = vec![(0.0, Vec::new())];
     for fits in fits {
         choices = choices
@@ -199,7 +199,8 @@ fn combine(segments: &[Segment], guess: &Guess, (fits, most): (&[Vec<Fit>], usiz
 /// Rate of each segment; where a fit gives none, the median of the others.
 fn rates(
     scene: &Scene,
-    (segments, readings): (&[Segment], &[Readings]),
+    segments: &[Segment],
+    readings: &[Readings],
     middle_s: &impl Fn(&Segment) -> f64,
     known: Option<f64>,
 ) -> Vec<f64> {

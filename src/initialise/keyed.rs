@@ -36,7 +36,8 @@ pub(super) fn guesses(
     scene: &Scene,
     sketch: &Sketch,
     segments: &[Segment],
-    (most, observer): (usize, &mut dyn Observer),
+    most: usize,
+    observer: &mut dyn Observer,
 ) -> Vec<Guess> {
     let mut of_all: Vec<(Vec<usize>, Vec<Way>)> = Vec::new();
     for mechanism in scene.mechanisms.keys() {

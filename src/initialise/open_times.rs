@@ -43,7 +43,7 @@ pub(super) fn place(scene: &Scene, sketch: &Sketch, segments: &[Segment], guess:
             };
             let ends = [segment.start_event, segment.end_event];
             let ends_s = ends.map(|event| event.map(|e| guess.event_times_s[e] - clock_s));
-            let times_s = flown.nearest_s((sketch, view), &free, ends_s);
+            let times_s = flown.nearest_s(sketch, view, &free, ends_s);
             for ((sample, parameter), time_s) in free.into_iter().zip(times_s) {
                 if let Some(parameter) = parameter {
                     let of = &scene.parameters[parameter];
@@ -93,7 +93,8 @@ impl Flown<'_> {
     /// The times of a view's samples: those that are known, and for the others the nearest.
     fn nearest_s(
         &self,
-        (sketch, view): (&Sketch, &View),
+        sketch: &Sketch,
+        view: &View,
         free: &[(usize, Option<usize>)],
         ends_s: [Option<f64>; 2],
     ) -> Vec<f64> {

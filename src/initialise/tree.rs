@@ -30,7 +30,7 @@ pub fn starts(scene: &Scene, sketch: &Sketch, forest: &Forest) -> Vec<(f64, Tree
     };
     let at = |pace: f64| {
         let all = scene.moving().zip(forest.trees());
-        let all = all.map(|((_, of), model)| tree((scene, sketch, pace), &of.as_tree(), model));
+        let all = all.map(|((_, of), model)| tree(scene, sketch, pace, &of.as_tree(), model));
         TreeState {
             time_s: sketch.whole_span_s(scene)[0],
             ..forest.whole(all)
@@ -56,11 +56,7 @@ fn paces(scene: &Scene, sketch: &Sketch) -> Vec<f64> {
 }
 
 /// The state of a tree at the beginning.
-fn tree(
-    (scene, sketch, pace): (&Scene, &Sketch, f64),
-    joined: &JointTree,
-    tree: &Tree,
-) -> TreeState {
+fn tree(scene: &Scene, sketch: &Sketch, pace: f64, joined: &JointTree, tree: &Tree) -> TreeState {
     let mut state = tree.at_rest();
     let start = scene
         .events

@@ -243,9 +243,13 @@ fn start(body: &Body, readings: &[OrientationReading]) -> TurnFit {
 }
 
 fn evaluate(body: &Body, readings: &[OrientationReading], fit: &TurnFit) -> Quadratic {
-    let start = (&fit.orientation, &fit.angular_velocity_rad_s);
     let readings = readings.iter().map(|(s, measured)| (*s, measured));
-    Quadratic::of(&TurnTerms::of(body, start, readings))
+    Quadratic::of(&TurnTerms::of(
+        body,
+        &fit.orientation,
+        &fit.angular_velocity_rad_s,
+        readings,
+    ))
 }
 
 pub(super) fn descend(body: &Body, readings: &[OrientationReading], from: TurnFit) -> TurnFit {

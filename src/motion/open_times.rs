@@ -21,14 +21,14 @@ impl Scene {
             free.extend(view.samples.clone().filter_map(|sample| {
                 let is_zero = zero == Some((view.track, sample));
                 let bounds = bounds_s(sketch, view, sample).filter(|_| !is_zero)?;
-                Some(self.free_time((view.track, sample), bounds))
+                Some(self.free_time(view.track, sample, bounds))
             }));
         }
         self.parameters.extend(free);
         self
     }
 
-    fn free_time(&self, (track, sample): (TrackIndex, usize), bounds_s: [f64; 2]) -> FreeParameter {
+    fn free_time(&self, track: TrackIndex, sample: usize, bounds_s: [f64; 2]) -> FreeParameter {
         let [lower, upper] = bounds_s;
         FreeParameter {
             lower,

@@ -73,7 +73,8 @@ impl ActiveSet {
         &mut self,
         structure: &Structure,
         system: &System,
-        (delta, multipliers): (&DVector<f64>, &[f64]),
+        delta: &DVector<f64>,
+        multipliers: &[f64],
     ) -> bool {
         if self.rows.iter().all(|acts| *acts == Acts::Always) {
             return false;

@@ -262,7 +262,8 @@ impl Block {
         &self,
         pattern: &BlockPattern,
         weight: impl Fn(usize) -> f64,
-        (within, matrix): (&Pattern, &mut Envelope),
+        within: &Pattern,
+        matrix: &mut Envelope,
     ) {
         let mut row = 0;
         for panel in &pattern.panels {
@@ -271,13 +272,13 @@ impl Block {
                 PanelRows::One(of) => {
                     let weight = weight(row);
                     if weight != 0.0 {
-                        add_square_of_one(runs, of, weight, (within, matrix));
+                        add_square_of_one(runs, of, weight, within, matrix);
                     }
                 }
                 PanelRows::Three(of) => {
                     let weights = [weight(row), weight(row + 1), weight(row + 2)];
                     if weights != [0.0; PANEL] {
-                        add_square_of_three(runs, of, weights, (within, matrix));
+                        add_square_of_three(runs, of, weights, within, matrix);
                     }
                 }
             }
@@ -369,7 +370,8 @@ fn add_square_of_one(
     runs: &[Run],
     of: &[f64],
     weight: f64,
-    (within, matrix): (&Pattern, &mut Envelope),
+    within: &Pattern,
+    matrix: &mut Envelope,
 ) {
     for (count, run) in runs.iter().enumerate() {
         for (index, derivative) in run.of(of).iter().enumerate() {
@@ -393,7 +395,8 @@ fn add_square_of_three(
     runs: &[Run],
     [a, b, c]: [&[f64]; PANEL],
     weights: [f64; PANEL],
-    (within, matrix): (&Pattern, &mut Envelope),
+    within: &Pattern,
+    matrix: &mut Envelope,
 ) {
     for (count, run) in runs.iter().enumerate() {
         let (own_a, own_b, own_c) = (run.of(a), run.of(b), run.of(c));
@@ -494,7 +497,7 @@ mod tests {
         let within = Pattern::new(10, couplings);
         let mut matrix = Envelope::zeros(&within);
         let weights = DVector::from_fn(9, |row, _| f64::from(row != 1 && row != 3) * row as f64);
-        block.add_square(&pattern, |row| weights[row], (&within, &mut matrix));
+        block.add_square(&pattern, |row| weights[row], &within, &mut matrix);
         let expected = dense.transpose() * DMatrix::from_diagonal(&weights) * &dense;
         for i in 0..10 {
             for j in 0..=i {

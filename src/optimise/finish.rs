@@ -139,7 +139,7 @@ impl<P: Program> Finish<'_, P> {
             };
             let promised = self.promises(&step);
             let may_damp = is_slow && self.is_dampable();
-            let taken = self.search(guidance, (&kkt, &step), may_damp, &mut trial);
+            let taken = self.search(guidance, &kkt, &step, may_damp, &mut trial);
             finished.decrease = match (taken, promised_before) {
                 // Convergence is at least linear: the next predicted decrease is smaller by at
                 // least the last ratio.
@@ -279,10 +279,10 @@ impl<P: Program> Finish<'_, P> {
         let mut tried = Vec::new();
         while tried.len() < ACTIVE_ROUNDS && !tried.contains(&active) {
             self.work.factorisations += 1;
-            let kkt = Kkt::with(program, (system, curved), &self.multipliers, &active)?;
-            let step = kkt.step(structure, (system, curved));
+            let kkt = Kkt::with(program, system, curved, &self.multipliers, &active)?;
+            let step = kkt.step(structure, system, curved);
             tried.push(active.clone());
-            if !active.revise(structure, system, (&step.delta, &step.multipliers)) {
+            if !active.revise(structure, system, &step.delta, &step.multipliers) {
                 return Some((kkt, step));
             }
         }
@@ -290,7 +290,7 @@ impl<P: Program> Finish<'_, P> {
         let multipliers = multipliers.as_ref().unwrap_or(&self.multipliers);
         self.work.factorisations += 1;
         let kkt = Kkt::new(program, system, multipliers)?;
-        let step = kkt.step(structure, (system, None));
+        let step = kkt.step(structure, system, None);
         Some((kkt, step))
     }
 }

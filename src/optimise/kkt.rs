@@ -66,14 +66,15 @@ impl Kkt {
     /// the matrix is not positive definite: an unknown is undetermined beyond the damping.
     pub fn new<P: Program>(program: &P, system: &System, multipliers: &[f64]) -> Option<Self> {
         let active = ActiveSet::of(system, multipliers, program.information().1);
-        Self::with(program, (system, None), multipliers, &active)
+        Self::with(program, system, None, multipliers, &active)
     }
 
     /// Factorises with a given active set; `curved` is the system's Hessian with curvature added
     /// ([`Program::add_curvature`]), for none the system's own. `None` as for [`Kkt::new`].
     pub fn with<P: Program>(
         program: &P,
-        (system, curved): (&System, Option<&Envelope>),
+        system: &System,
+        curved: Option<&Envelope>,
         multipliers: &[f64],
         active: &ActiveSet,
     ) -> Option<Self> {
@@ -81,16 +82,26 @@ impl Kkt {
         let weighed = active.weights_and_violations(system, program.information().1);
         let damping = vec![DAMPING; structure.size()];
         let multipliers = multipliers.to_vec();
-        Self::weighed(structure, (system, curved), multipliers, weighed, damping)
+        Self::weighed(
+            structure,
+            system,
+            curved,
+            multipliers,
+            weighed.0,
+            weighed.1,
+            damping,
+        )
     }
 
     /// Factorises with given weights and violations of the rows, and with `damping` as a share of
     /// `1 + Hᵢᵢ` on the diagonal. `None` as for [`Kkt::new`].
     pub fn weighed(
         structure: &Structure,
-        (system, curved): (&System, Option<&Envelope>),
+        system: &System,
+        curved: Option<&Envelope>,
         multipliers: Vec<f64>,
-        (weights, violations): (Vec<f64>, Vec<f64>),
+        weights: Vec<f64>,
+        violations: Vec<f64>,
         mut damping: Vec<f64>,
     ) -> Option<Self> {
         let pattern = &structure.pattern;
@@ -133,7 +144,8 @@ impl Kkt {
     pub fn step(
         &self,
         structure: &Structure,
-        (system, curved): (&System, Option<&Envelope>),
+        system: &System,
+        curved: Option<&Envelope>,
     ) -> KktStep {
         let hessian = curved.unwrap_or(&system.hessian);
         let (weights, violations) = (&self.weights, &self.violations);
@@ -191,7 +203,8 @@ impl Kkt {
     pub fn correction(
         &self,
         structure: &Structure,
-        (system, trial): (&System, &System),
+        system: &System,
+        trial: &System,
         delta: &DVector<f64>,
     ) -> DVector<f64> {
         system.correction(structure, trial, delta, &self.weights, &self.matrix)

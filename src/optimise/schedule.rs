@@ -109,7 +109,7 @@ impl Schedule {
     /// The schedule with its weights multiplied by a program's [`Program::information`]. Where
     /// least and greatest information differ, the sweep repeats its weights at levels from one to
     /// the other: a weight that is strong against one part of the cost is weak against the other.
-    pub fn scaled(&self, (least, most): (f64, f64)) -> Self {
+    pub fn scaled(&self, least: f64, most: f64) -> Self {
         let between = ((most / least).log(SWEEP_RATIO).ceil() as i32).max(0);
         let levels = (0..=between).map(|level| (least * SWEEP_RATIO.powi(level)).min(most));
         Self {
@@ -186,9 +186,8 @@ pub fn solve<P: Program>(
     guidance: &dyn Fn(Stage) -> P::Guidance,
     watch: &mut dyn Watch,
 ) -> Solution<P::Point> {
-    let information = program.information();
-    let most = information.1;
-    let schedule = &schedule.scaled(information);
+    let (least, most) = program.information();
+    let schedule = &schedule.scaled(least, most);
     let mut descent = Descent::new(program, start);
     for (index, weight) in schedule.sweep_weights.iter().enumerate() {
         let stage = Stage::Sweep { weight: *weight };

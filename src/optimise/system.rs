@@ -94,7 +94,7 @@ impl System {
         let mut offset = 0;
         for (block, pattern) in self.blocks.iter().zip(&structure.blocks) {
             let weight = |row: usize| weights[offset + row];
-            block.add_square(pattern, weight, (&structure.pattern, matrix));
+            block.add_square(pattern, weight, &structure.pattern, matrix);
             offset += block.values.len();
         }
     }

@@ -91,7 +91,7 @@ pub fn approach<P: Program>(
         if is_slow {
             program.add_curvature((&point, &system), &multipliers, &mut hessian);
         }
-        let Some(mut model) = Model::new(program, (&system, &hessian), &scale, &held) else {
+        let Some(mut model) = Model::new(program, &system, &hessian, &scale, &held) else {
             break;
         };
         let mut step = model.step(radius);
@@ -100,7 +100,7 @@ pub fn approach<P: Program>(
             if !hold_crossed(program.structure(), &system, &delta, &mut held) {
                 break;
             }
-            let Some(holding) = Model::new(program, (&system, &hessian), &scale, &held) else {
+            let Some(holding) = Model::new(program, &system, &hessian, &scale, &held) else {
                 break 'steps;
             };
             model = holding;

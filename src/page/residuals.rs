@@ -58,7 +58,8 @@ pub(super) fn cards(page: &Page, said: &Said) -> String {
             (segment.start_s - EDGE_S..=segment.end_s + EDGE_S).contains(&off.time_s)
         });
         text += &card(
-            (page, said),
+            page,
+            said,
             segment,
             &within.copied().collect::<Vec<_>>(),
             ranges,
@@ -68,7 +69,8 @@ pub(super) fn cards(page: &Page, said: &Said) -> String {
 }
 
 fn card(
-    (page, said): (&Page, &Said),
+    page: &Page,
+    said: &Said,
     segment: &Segment,
     offs: &[Off],
     ranges: [[f64; 2]; 2],

@@ -28,7 +28,7 @@ fn motion() -> (Scene, WrittenMotion) {
     };
     let zero = Stamp(FIRST_NS);
     let report = json(&EstimateMessage::new(&of, zero, None));
-    let sampled = SampledMotion::new((&scene, &sketch), &estimate, None, 240.0).expect("frames");
+    let sampled = SampledMotion::new(&scene, &sketch, &estimate, None, 240.0).expect("frames");
     let events = estimate.events.iter().map(|event| {
         let name = scene.events[event.event].name.clone();
         (stamp(zero, event.time_s), name)

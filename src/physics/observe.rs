@@ -42,7 +42,8 @@ impl TurnTerms {
     /// has `orientation` and `ω` [rad/s, body]; all with weight one.
     pub fn of<'m>(
         body: &Body,
-        (orientation, angular_velocity_rad_s): (&UnitQuaternion<f64>, &Vector3<f64>),
+        orientation: &UnitQuaternion<f64>,
+        angular_velocity_rad_s: &Vector3<f64>,
         readings: impl Iterator<Item = (f64, &'m UnitQuaternion<f64>)>,
     ) -> Self {
         let mut spin = Spin::new(body, angular_velocity_rad_s);
@@ -131,7 +132,7 @@ mod tests {
                     one_by_one.add(&mut spin, &orientation, measured, *s, 1.0);
                 }
                 let pairs = readings.iter().map(|(s, measured)| (*s, measured));
-                let at_once = TurnTerms::of(&body, (&orientation, &omega), pairs);
+                let at_once = TurnTerms::of(&body, &orientation, &omega, pairs);
                 let numbers = |terms: &TurnTerms| {
                     let mut all = vec![terms.cost, terms.count];
                     all.extend(terms.gradient_orientation.iter());

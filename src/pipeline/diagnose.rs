@@ -59,7 +59,8 @@ const ROUNDS: usize = 3;
 pub(super) fn diagnose(
     scene: &Scene,
     events: &[TakeEvent],
-    (outcome, work): (Option<&Outcome>, usize),
+    outcome: Option<&Outcome>,
+    work: usize,
     observer: &mut dyn Observer,
 ) -> Vec<Diagnosis> {
     let is_settled = |outcome: &Outcome| is_explained(outcome) || is_well(outcome, NEAR);
@@ -67,7 +68,7 @@ pub(super) fn diagnose(
         return Vec::new();
     }
     observer.phase(Phase::Diagnose);
-    let mut budget = Budget::beside(work, (scene, events), observer);
+    let mut budget = Budget::beside(work, scene, events, observer);
     let motion = outcome
         .filter(|outcome| is_motion(outcome))
         .map(|outcome| Motion {

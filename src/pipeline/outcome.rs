@@ -71,7 +71,8 @@ impl Outcome {
     pub(super) fn unchecked(
         inferred: Inferred,
         marks_made_s: Vec<Option<f64>>,
-        (sketch, counts): (Sketch, SampleCounts),
+        sketch: Sketch,
+        counts: SampleCounts,
         observer: &mut dyn Observer,
     ) -> Self {
         let given = inferred.scene;
@@ -128,7 +129,7 @@ impl Outcome {
         };
         let scene = self.scene.as_estimated(&self.estimate);
         if let (Some(known), Some(limit_s)) = (known, scene.settle_s) {
-            settled.spread = spread(&scene, (&self.estimate, known), limit_s, observer);
+            settled.spread = spread(&scene, &self.estimate, known, limit_s, observer);
         }
     }
 

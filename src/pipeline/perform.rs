@@ -7,8 +7,8 @@ use super::infer::Inferred;
 use super::outcome::{Outcome, PipelineError};
 use super::stages::{Cut, account, cut, solve};
 use crate::motion::{
-    Doubt, GoalTarget, Observer, Phase, Sample, SampleCounts, Scene, Segment, Sketch, TakeEvent,
-    TrackIndex,
+    Doubt, GoalTarget, Observer, Performance, Phase, Sample, SampleCounts, Scene, Segment, Sketch,
+    TakeEvent, TrackIndex,
 };
 use crate::verify::credible;
 use crate::{estimate, initialise, segment};
@@ -34,27 +34,46 @@ pub(super) struct Performed {
 
 impl Performed {
     /// What the motion is an estimate of.
-    pub(super) fn posed(&self) -> (&Scene, &Sketch, &[Segment]) {
-        (&self.inferred.scene, &self.sketch, &self.segments)
+    pub(super) fn performance(&self) -> Performance<'_> {
+        Performance {
+            scene: &self.inferred.scene,
+            sketch: &self.sketch,
+            segments: &self.segments,
+        }
     }
 
     /// Whether and why the motion is doubted for how it is as a performance.
     pub(super) fn doubts(&self) -> Vec<Doubt> {
         let Inferred { scene, solved, .. } = &self.inferred;
-        let posed = (&scene.as_estimated(&solved.estimate), scene);
-        credible::doubts(posed, &self.sketch, &self.marks_made_s, &solved.estimate)
+        credible::doubts(
+            &scene.as_estimated(&solved.estimate),
+            scene,
+            &self.sketch,
+            &self.marks_made_s,
+            &solved.estimate,
+        )
     }
 
     /// Looks whether the motion explains the performance.
     pub(super) fn judge(&mut self, observer: &mut dyn Observer) {
         let Inferred { scene, solved, .. } = &mut self.inferred;
-        solved.judge((scene, &self.sketch, &self.segments), observer);
+        let performance = Performance {
+            scene,
+            sketch: &self.sketch,
+            segments: &self.segments,
+        };
+        solved.judge(performance, observer);
     }
 
     /// The motion with its deviations.
     pub(super) fn outcome(self, observer: &mut dyn Observer) -> Outcome {
-        let performed = (self.sketch, self.counts);
-        Outcome::unchecked(self.inferred, self.marks_made_s, performed, observer)
+        Outcome::unchecked(
+            self.inferred,
+            self.marks_made_s,
+            self.sketch,
+            self.counts,
+            observer,
+        )
     }
 }
 

@@ -151,8 +151,7 @@ impl Preview {
         follow(&mut sketch, &mut cut, &mut inferred, observer);
         account(&sketch, &cut.segments, &mut counts);
         let (segments, solved) = (cut.segments.clone(), inferred.solved.estimate.verdict);
-        let mut outcome =
-            Outcome::unchecked(inferred, cut.marks_made_s, (sketch, counts), observer);
+        let mut outcome = Outcome::unchecked(inferred, cut.marks_made_s, sketch, counts, observer);
         let doubts = doubts(&outcome);
         outcome.estimate.doubt(doubts);
         let last = self.last.insert(Last {

@@ -22,7 +22,8 @@ const FRICTION_MIN: f64 = 0.01;
 /// Where drawn motions come to rest; `None` where none could be simulated. `known` are the last states of all mechanisms.
 pub(super) fn spread(
     scene: &Scene,
-    (estimate, known): (&Estimate, &[LastState]),
+    estimate: &Estimate,
+    known: &[LastState],
     limit_s: f64,
     observer: &mut dyn Observer,
 ) -> Option<Spread> {

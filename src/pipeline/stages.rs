@@ -104,7 +104,8 @@ pub(super) fn doubts(outcome: &Outcome) -> Vec<Doubt> {
     let checks = outcome.verification.iter();
     let mut doubts: Vec<Doubt> = checks.flat_map(Verification::doubts).collect();
     doubts.extend(credible::doubts(
-        (&outcome.scene, &outcome.given),
+        &outcome.scene,
+        &outcome.given,
         &outcome.sketch,
         &outcome.marks_made_s,
         &outcome.estimate,

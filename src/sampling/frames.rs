@@ -57,12 +57,11 @@ pub fn estimate_frames(
     if !FRAME_RATES_HZ.contains(&frame_rate_hz) {
         return Err(SamplingError::FrameRate { frame_rate_hz });
     }
-    let at = (zero, frame_rate_hz);
     let mechanism = scene.mechanism_of(link);
     let mut samples = match (estimate.held_motion(link), scene.joint_tree(mechanism)) {
-        (Some(held), _) => held_frames(scene, estimate, held, at)?,
-        (None, Some(joined)) => tree_frames((scene, joined), estimate, link, at)?,
-        (None, None) => free_frames(scene, estimate, link, at)?,
+        (Some(held), _) => held_frames(scene, estimate, held, zero, frame_rate_hz)?,
+        (None, Some(joined)) => tree_frames(scene, joined, estimate, link, zero, frame_rate_hz)?,
+        (None, None) => free_frames(scene, estimate, link, zero, frame_rate_hz)?,
     };
     give(&mut samples, &scene.links[link].link_from_given);
     make_signs_continuous(&mut samples);
@@ -89,7 +88,8 @@ fn free_frames(
     scene: &Scene,
     estimate: &Estimate,
     link: LinkIndex,
-    (zero, frame_rate_hz): (Stamp, f64),
+    zero: Stamp,
+    frame_rate_hz: f64,
 ) -> Result<Vec<PoseSample>, SamplingError> {
     let mechanism = scene.mechanism_of(link);
     let arcs: Vec<&ArcEstimate> = estimate
@@ -103,10 +103,13 @@ fn free_frames(
     let (start_s, end_s) = (first.start_s, last.end_s);
     let ends = arcs.iter().flat_map(|arc| [arc.start_s, arc.end_s]);
     let times_s = times_s(
-        (scene, link),
-        (estimate, [start_s, end_s]),
+        scene,
+        link,
+        estimate,
+        [start_s, end_s],
         ends,
-        (zero, frame_rate_hz),
+        zero,
+        frame_rate_hz,
     )?;
     let Dynamics::Free(body) = scene.dynamics(mechanism);
     let mut flights: Vec<(&ArcEstimate, Fall, Spin)> = arcs
@@ -127,10 +130,13 @@ fn free_frames(
 
 /// Times of frames and events within a motion, and of its ends, by their stamps.
 fn times_s(
-    (scene, link): (&Scene, LinkIndex),
-    (estimate, [start_s, end_s]): (&Estimate, [f64; 2]),
+    scene: &Scene,
+    link: LinkIndex,
+    estimate: &Estimate,
+    [start_s, end_s]: [f64; 2],
     ends: impl Iterator<Item = f64>,
-    (zero, frame_rate_hz): (Stamp, f64),
+    zero: Stamp,
+    frame_rate_hz: f64,
 ) -> Result<BTreeMap<Stamp, f64>, SamplingError> {
     let frames = (end_s - start_s) * frame_rate_hz;
     let farthest = start_s.abs().max(end_s.abs()) * frame_rate_hz;
@@ -169,16 +175,20 @@ fn held_frames(
     scene: &Scene,
     estimate: &Estimate,
     held: &HeldEstimate,
-    at: (Stamp, f64),
+    zero: Stamp,
+    frame_rate_hz: f64,
 ) -> Result<Vec<PoseSample>, SamplingError> {
     let Some(extent_s) = estimate.extent_s() else {
         return Ok(Vec::new());
     };
     let times_s = times_s(
-        (scene, held.link),
-        (estimate, extent_s),
+        scene,
+        held.link,
+        estimate,
+        extent_s,
         extent_s.into_iter(),
-        at,
+        zero,
+        frame_rate_hz,
     )?;
     let poses = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
     let poses = poses
@@ -188,15 +198,24 @@ fn held_frames(
 
 /// The poses of a link of a tree.
 fn tree_frames(
-    (scene, joined): (&Scene, &JointTree),
+    scene: &Scene,
+    joined: &JointTree,
     estimate: &Estimate,
     link: LinkIndex,
-    at: (Stamp, f64),
+    zero: Stamp,
+    frame_rate_hz: f64,
 ) -> Result<Vec<PoseSample>, SamplingError> {
     let tree = scene.tree_model_with(joined, &estimate.held);
     let place = joined.place_of(link).expect("a link of the tree");
     let mut snapshot = Snapshot::new(&tree, &estimate.gravity_m_s2);
-    let states = tree_states((scene, &tree), estimate, scene.mechanism_of(link), at)?;
+    let states = tree_states(
+        scene,
+        &tree,
+        estimate,
+        scene.mechanism_of(link),
+        zero,
+        frame_rate_hz,
+    )?;
     let poses = states.into_iter().map(|(stamp, state)| {
         snapshot.set(&state);
         PoseSample::from_pose(stamp, &snapshot.world_from_link(place))
@@ -206,10 +225,12 @@ fn tree_frames(
 
 /// The states of a tree at its frames and events; none where it has no motion.
 pub(super) fn tree_states(
-    (scene, tree): (&Scene, &Tree),
+    scene: &Scene,
+    tree: &Tree,
     estimate: &Estimate,
     mechanism: MechanismIndex,
-    (zero, frame_rate_hz): (Stamp, f64),
+    zero: Stamp,
+    frame_rate_hz: f64,
 ) -> Result<Vec<(Stamp, TreeState)>, SamplingError> {
     let Some(motion) = estimate.tree_motion(mechanism) else {
         return Ok(Vec::new());
@@ -217,10 +238,13 @@ pub(super) fn tree_states(
     let span_s = motion.span_s();
     let first = scene.mechanisms[mechanism].links().next();
     let times_s = times_s(
-        (scene, first.expect("a mechanism has links")),
-        (estimate, span_s),
+        scene,
+        first.expect("a mechanism has links"),
+        estimate,
+        span_s,
         span_s.into_iter(),
-        (zero, frame_rate_hz),
+        zero,
+        frame_rate_hz,
     )?;
     let times_s = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
     let gravity_m_s2 = &estimate.gravity_m_s2;
@@ -232,7 +256,8 @@ pub(super) fn tree_states(
 pub(super) fn append_settled(
     samples: &mut Vec<PoseSample>,
     settled: &Settled,
-    (scene, link): (&Scene, LinkIndex),
+    scene: &Scene,
+    link: LinkIndex,
     zero: Stamp,
 ) {
     let Some(last) = samples.last().map(|sample| sample.stamp) else {

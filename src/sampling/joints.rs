@@ -35,13 +35,15 @@ pub struct JointSample {
 pub(super) fn joint_frames(
     scene: &Scene,
     estimate: &Estimate,
-    (mechanism, joined): (MechanismIndex, &JointTree),
-    at: (Stamp, f64),
+    mechanism: MechanismIndex,
+    joined: &JointTree,
+    zero: Stamp,
+    frame_rate_hz: f64,
 ) -> Result<Vec<JointSample>, SamplingError> {
     let tree = scene.tree_model_with(joined, &estimate.held);
     let mut snapshot = Snapshot::new(&tree, &estimate.gravity_m_s2);
     let mut before = vec![0.0; hinge_count(joined)];
-    let states = tree_states((scene, &tree), estimate, mechanism, at)?;
+    let states = tree_states(scene, &tree, estimate, mechanism, zero, frame_rate_hz)?;
     let samples = states.into_iter().map(|(stamp, state)| {
         snapshot.set(&state);
         let pose = |link: LinkIndex| match joined.place_of(link) {
@@ -57,7 +59,7 @@ pub(super) fn joint_frames(
             let place = joined.place_of(joint.child).expect("a link of the tree");
             let own = angles_rad.len()..angles_rad.len() + joint.joint.kind.freedoms();
             let turn = turn(joint, &pose);
-            let [angles, rates] = of_joint(joint, &turn, (&tree, place, &state), &before[own]);
+            let [angles, rates] = of_joint(joint, &turn, &tree, place, &state, &before[own]);
             angles_rad.extend(angles);
             rates_rad_s.extend(rates);
         }
@@ -124,7 +126,9 @@ fn turn(joint: &Joint, pose: &impl Fn(LinkIndex) -> Pose) -> UnitQuaternion<f64>
 fn of_joint(
     joint: &Joint,
     turn: &UnitQuaternion<f64>,
-    (tree, place, state): (&Tree, usize, &TreeState),
+    tree: &Tree,
+    place: usize,
+    state: &TreeState,
     before: &[f64],
 ) -> [Vec<f64>; 2] {
     let rates = &state.rates[tree.columns_of(place)];

@@ -25,7 +25,8 @@ impl SampledMotion {
     /// Samples an estimate at a rate; see [`estimate_frames`]. What was simulated after it has an
     /// interval of its own. Fails where the rate is no such rate, or the motion too long for it.
     pub fn new(
-        (scene, sketch): (&Scene, &Sketch),
+        scene: &Scene,
+        sketch: &Sketch,
         estimate: &Estimate,
         settled: Option<&Settled>,
         frame_rate_hz: f64,
@@ -35,13 +36,13 @@ impl SampledMotion {
         let estimates = links.clone().map(|link| {
             let mut samples = estimate_frames(scene, estimate, link, zero, frame_rate_hz)?;
             if let Some(settled) = settled {
-                append_settled(&mut samples, settled, (scene, link), zero);
+                append_settled(&mut samples, settled, scene, link, zero);
             }
             Ok(samples)
         });
         let joints = scene.joint_trees().map(|(mechanism, joined)| {
-            let at = (zero, frame_rate_hz);
-            let mut samples = joint_frames(scene, estimate, (mechanism, joined), at)?;
+            let mut samples =
+                joint_frames(scene, estimate, mechanism, joined, zero, frame_rate_hz)?;
             if let Some(settled) = settled {
                 append_settled_joints(&mut samples, settled, joined, zero);
             }

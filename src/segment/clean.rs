@@ -58,7 +58,7 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
     let whole = union(&extents).expect("a scene has tracks");
     let mut stamps = match matched(scene, &marks, whole.first) {
         Err(error @ SegmentError::MarkCount { .. }) => {
-            let all = sketch((scene, events), &streams, &[], &mut SampleCounts::default());
+            let all = sketch(scene, events, &streams, &[], &mut SampleCounts::default());
             let (stamps, changes) = completed(scene, &marks, &all, error)?;
             counts.marks = changes;
             stamps
@@ -67,18 +67,18 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
     };
     let slack_ns = streams.iter().map(|s| gap_limit_ns(s)).max().unwrap_or(0);
     let reach_ns = (reach_s(scene) * 1e9) as i64;
-    counts.marks.late = put_at_the_ends(scene, &mut stamps, whole, (slack_ns, reach_ns));
+    counts.marks.late = put_at_the_ends(scene, &mut stamps, whole, slack_ns, reach_ns);
     check_extents(scene, &stamps, &extents, slack_ns)?;
     for (track, stream) in streams.iter_mut_enumerated() {
         let read = stream.len();
         let mut dropped = SampleCounts::default();
         drop_outside(scene, &stamps, stream, &mut dropped);
         if stream.is_empty() {
-            return Err(no_samples_of(scene, (track, 0), read, &dropped));
+            return Err(no_samples_of(scene, track, 0, read, &dropped));
         }
         merge(&mut counts, &dropped);
     }
-    let mut sketch = sketch((scene, events), &streams, &stamps, &mut counts);
+    let mut sketch = sketch(scene, events, &streams, &stamps, &mut counts);
     let annotated_s = LazyCell::new(|| annotated_sd_s(&sketch.tracks));
     for (event, mark) in sketch.marks.iter_mut().enumerate() {
         let changed = [&counts.marks.proposed, &counts.marks.late];
@@ -109,13 +109,13 @@ fn clean_edited(
             let mut dropped = SampleCounts::default();
             drop_unusable(stream, &scene.tracks[track], false, &mut dropped);
             if stream.is_empty() {
-                return Err(no_samples_of(scene, (track, number), read, &dropped));
+                return Err(no_samples_of(scene, track, number, read, &dropped));
             }
             merge(&mut counts, &dropped);
         }
     }
     let (streams, stamps) = join(scene, &streams, SPAN_LIMIT_S)?;
-    let sketch = sketch((scene, events), &streams, &stamps, &mut counts);
+    let sketch = sketch(scene, events, &streams, &stamps, &mut counts);
     for (track, seen) in sketch.tracks.iter_enumerated() {
         check_units(scene.link_seen_by(track), &seen.samples)?;
     }
@@ -129,7 +129,7 @@ pub fn unmarked(scene: &Scene, events: &[TakeEvent]) -> Result<Sketch, SegmentEr
         mut counts,
         ..
     } = usable(scene, events)?;
-    Ok(sketch((scene, events), &streams, &[], &mut counts))
+    Ok(sketch(scene, events, &streams, &[], &mut counts))
 }
 
 /// The usable part of a take.
@@ -153,7 +153,7 @@ fn usable(scene: &Scene, events: &[TakeEvent]) -> Result<Usable, SegmentError> {
         let extent = extent(&scene.tracks[track], stream);
         let may_stand = scene.sees_held(track);
         drop_unusable(stream, &scene.tracks[track], may_stand, &mut dropped);
-        extents.push(extent.ok_or_else(|| no_samples_of(scene, (track, 0), read, &dropped))?);
+        extents.push(extent.ok_or_else(|| no_samples_of(scene, track, 0, read, &dropped))?);
         merge(&mut counts, &dropped);
     }
     let whole = union(&extents).expect("a scene has tracks");
@@ -371,7 +371,8 @@ fn extent(track: &Track, stream: &[Reading]) -> Option<Extent> {
 
 fn no_samples_of(
     scene: &Scene,
-    (track, stream): (TrackIndex, usize),
+    track: TrackIndex,
+    stream: usize,
     read: usize,
     dropped: &SampleCounts,
 ) -> SegmentError {
@@ -407,7 +408,8 @@ fn gap_limit_ns(stream: &[Reading]) -> i64 {
 
 /// Poses of links since the first kept sample, unit quaternions of continuous sign.
 fn sketch(
-    (scene, events): (&Scene, &[TakeEvent]),
+    scene: &Scene,
+    events: &[TakeEvent],
     streams: &TiSlice<TrackIndex, Vec<Reading>>,
     stamps: &[Stamp],
     counts: &mut SampleCounts,

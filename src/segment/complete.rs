@@ -20,7 +20,7 @@ pub(super) fn completed(
     error: SegmentError,
 ) -> Result<(Vec<Stamp>, MarkChanges), SegmentError> {
     let proposals = propose(scene, sketch, None);
-    let Some(places) = places(scene, sketch, (&proposals, marks)) else {
+    let Some(places) = places(scene, sketch, &proposals, marks) else {
         return Err(error);
     };
     let is_clear = proposals.iter().all(|p| p.score >= CLEAR_SCORE);
@@ -58,7 +58,8 @@ pub(super) fn completed(
 fn places(
     scene: &Scene,
     sketch: &Sketch,
-    (proposals, marks): (&[Proposal], &[Mark]),
+    proposals: &[Proposal],
+    marks: &[Mark],
 ) -> Option<Vec<Stamp>> {
     let ends_s = ends_of_motion_s(scene, sketch)?;
     let stamp = |acted_s: f64| Stamp(sketch.origin.0 + (acted_s * 1e9).round() as i64);

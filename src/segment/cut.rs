@@ -70,7 +70,7 @@ fn cut_mechanism(
         if !is(end_event, &EventKind::Start) && !is(start_event, &EventKind::End) {
             let views = tracks.iter().map(|(track, window_s)| View {
                 track: *track,
-                samples: between(scene, (sketch, *track), [start_event, end_event], *window_s),
+                samples: between(scene, sketch, *track, [start_event, end_event], *window_s),
             });
             let segment = Segment {
                 mechanism,
@@ -101,7 +101,8 @@ fn cut_mechanism(
 /// The samples of a track between two events; those within a window of a collision are left out.
 fn between(
     scene: &Scene,
-    (sketch, track): (&Sketch, TrackIndex),
+    sketch: &Sketch,
+    track: TrackIndex,
     [start, end]: [Option<usize>; 2],
     window_s: f64,
 ) -> Range<usize> {

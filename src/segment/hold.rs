@@ -76,7 +76,8 @@ fn motion(
     Ok(smoothed(
         of,
         &scene.tracks[track].link_from_tracker,
-        (held, &hits),
+        held,
+        &hits,
     ))
 }
 

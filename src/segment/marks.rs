@@ -116,7 +116,8 @@ pub(super) fn put_at_the_ends(
     scene: &Scene,
     stamps: &mut [Stamp],
     whole: Extent,
-    (gap_ns, reach_ns): (i64, i64),
+    gap_ns: i64,
+    reach_ns: i64,
 ) -> Vec<usize> {
     let mut put = Vec::new();
     for (index, (event, stamp)) in scene.events.iter().zip(stamps).enumerate() {

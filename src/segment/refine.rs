@@ -66,7 +66,7 @@ pub fn refine(scene: &Scene, sketch: &mut Sketch) -> usize {
     while moved && rounds < ROUNDS_MAX {
         moved = false;
         for event in &events {
-            moved |= refine_one(scene, sketch, (&sums, &mut left_m2), *event);
+            moved |= refine_one(scene, sketch, &sums, &mut left_m2, *event);
         }
         rounds += 1;
         moved &= events.len() > 1;
@@ -238,10 +238,8 @@ pub(super) fn reach_s(scene: &Scene) -> f64 {
 fn refine_one(
     scene: &Scene,
     sketch: &mut Sketch,
-    (sums, left_m2): (
-        &TiSlice<TrackIndex, PrefixSums>,
-        &mut TiSlice<TrackIndex, f64>,
-    ),
+    sums: &TiSlice<TrackIndex, PrefixSums>,
+    left_m2: &mut TiSlice<TrackIndex, f64>,
     event: usize,
 ) -> bool {
     let close = close_events(scene, sketch, event);

@@ -42,7 +42,8 @@ const LEAST_SD: [f64; 2] = [1e-5, 5e-5];
 pub fn smoothed(
     track: &TrackSketch,
     link_from_tracker: &Pose,
-    (held, hits): (&Held, &[(usize, f64)]),
+    held: &Held,
+    hits: &[(usize, f64)],
 ) -> HeldMotion {
     let poses = track.samples.iter().filter_map(|sample| {
         let place = sample.seen.position_m()?;
@@ -59,8 +60,8 @@ pub fn smoothed(
     };
     let of_place = |pose: &Pose| pose.translation.vector;
     let of_turn = |pose: &Pose| pose.rotation;
-    let places = tracked.believed::<Place>(of_place, (held.position_sd_m, LEAST_SD[0]));
-    let turns = tracked.believed::<Turn>(of_turn, (held.orientation_sd_rad, LEAST_SD[1]));
+    let places = tracked.believed::<Place>(of_place, held.position_sd_m, LEAST_SD[0]);
+    let turns = tracked.believed::<Turn>(of_turn, held.orientation_sd_rad, LEAST_SD[1]);
     let times_s = timed(&tracked.poses, &tracked.marks_s, |_| ())
         .into_iter()
         .map(|one| one.time_s);
@@ -115,12 +116,13 @@ impl Tracked {
     fn believed<C: Chain>(
         &self,
         of: impl Fn(&Pose) -> C::Reading + Copy,
-        sd: (Option<f64>, f64),
+        given: Option<f64>,
+        least: f64,
     ) -> Smoothed<C> {
         let near = self.near.iter();
         let stretches = near.map(|range| timed(&self.poses[range.clone()], &[], of));
         let stretches: Vec<_> = stretches.collect();
-        let noises = likelihood::credible::<C>(&stretches, self.interval_s, sd);
+        let noises = likelihood::credible::<C>(&stretches, self.interval_s, given, least);
         let states = filter::smooth::<C>(&timed(&self.poses, &self.marks_s, of), &noises);
         Smoothed { states, noises }
     }

@@ -319,8 +319,9 @@ impl<'a> Talk<'a> {
         while begun.elapsed() < self.job.patience {
             if asked.is_none_or(|at| at.elapsed() > REPEAT) {
                 let token = self.token.unwrap_or(Token::NONE);
-                let asking = (session, sequence);
-                let hearers = self.publisher.control(command, asking, at_ns, token)?;
+                let hearers = self
+                    .publisher
+                    .control(command, session, sequence, at_ns, token)?;
                 asked = (hearers > 0).then(Instant::now);
             }
             while let Some(answered) = self.answers.receive()? {

@@ -189,7 +189,8 @@ pub(super) fn finished(
             scene_toml: &opened.scene_toml,
             provenance: Some(&provenance(
                 recording,
-                (&opened.scene_toml, scene_file),
+                &opened.scene_toml,
+                scene_file,
                 pipeline,
             )),
             world_frame: world_frame(take),

@@ -101,7 +101,9 @@ fn marked(job: &MarkJob, opened: Opened) -> anyhow::Result<Marked> {
     let edited = edited(
         present(&opened)?,
         &job.edits,
-        (&opened, first, take.report.log_offset_ns.unwrap_or(0)),
+        &opened,
+        first,
+        take.report.log_offset_ns.unwrap_or(0),
     )
     .with_context(|| path.clone())?;
     let proposals = if job.is_proposing {
@@ -110,7 +112,7 @@ fn marked(job: &MarkJob, opened: Opened) -> anyhow::Result<Marked> {
         Vec::new()
     };
     if let Some(output) = &job.output {
-        write(job, output, (&opened, &take), &edited, &proposals)?;
+        write(job, output, &opened, &take, &edited, &proposals)?;
     }
     let scene = opened.scene.for_reading();
     let lines = proposals.iter().map(|proposal| ProposalLine {
@@ -191,7 +193,8 @@ fn proposed(
 fn write(
     job: &MarkJob,
     output: &std::path::Path,
-    (opened, take): (&Opened, &Take),
+    opened: &Opened,
+    take: &Take,
     edited: &Edited,
     proposals: &[MarkProposal],
 ) -> anyhow::Result<()> {

@@ -135,13 +135,13 @@ fn in_time(job: &ProcessJob, input: &Path, output: &Path) -> Result<Processed, F
     // For as long as the process: what is left may outlive everything here.
     let told: &'static AtomicBool = Box::leak(Box::default());
     let Some(limit) = job.deadline else {
-        return one(job, (input, output), told);
+        return one(job, input, output, told);
     };
     let (sender, done) = mpsc::channel();
     let owned = (job.clone(), input.to_owned(), output.to_owned());
     thread::spawn(move || {
         let (job, input, output) = owned;
-        let _ = sender.send(one(&job, (&input, &output), told));
+        let _ = sender.send(one(&job, &input, &output, told));
     });
     done.recv_timeout(limit.saturating_add(leeway(limit)))
         .unwrap_or_else(|_| {
@@ -159,7 +159,8 @@ fn in_time(job: &ProcessJob, input: &Path, output: &Path) -> Result<Processed, F
 
 fn one(
     job: &ProcessJob,
-    (input, output): (&Path, &Path),
+    input: &Path,
+    output: &Path,
     told: &'static AtomicBool,
 ) -> Result<Processed, Failure> {
     let name = || input.display().to_string();

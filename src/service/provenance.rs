@@ -36,7 +36,8 @@ pub(super) fn made_by(command: &str, toml: &str) -> String {
 /// asked of the pipeline. The command is that of `replay`, by whatever it is made, or of `predict`.
 pub(super) fn provenance(
     recording: &Recording,
-    (scene_toml, scene_file): (&[u8], Option<&Path>),
+    scene_toml: &[u8],
+    scene_file: Option<&Path>,
     pipeline: &Pipeline,
 ) -> Provenance {
     let name = file_name(recording.path());

@@ -168,12 +168,7 @@ fn write(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched>
         }
     }
     warnings.extend(of_rows(&scene, &rows));
-    Ok(account(
-        job,
-        output,
-        (&scene, &rows),
-        (Vec::new(), warnings),
-    ))
+    Ok(account(job, output, &scene, &rows, Vec::new(), warnings))
 }
 
 /// Greatest deviation of a quaternion's norm from 1 of which nothing is said.
@@ -231,7 +226,7 @@ fn read(job: &SketchJob, output: &Path, kind: Kind, working: &Working) -> anyhow
             let take = opened.recording.take(scene)?;
             let mut notes = (lost(&take.report), warnings(&take.report));
             let motion = if job.is_estimated {
-                let (motion, known) = Motion::estimated(scene, take.events, (deadline, working))
+                let (motion, known) = Motion::estimated(scene, take.events, deadline, working)
                     .with_context(|| job.input.display().to_string())?;
                 notes.1.extend(known);
                 motion
@@ -249,14 +244,16 @@ fn read(job: &SketchJob, output: &Path, kind: Kind, working: &Working) -> anyhow
     let own = iter::once(job.input.as_path()).chain(job.scene.as_deref());
     let made_of: Vec<&Path> = own.collect();
     write_file_of(output, text.as_bytes(), &made_of)?;
-    Ok(account(job, output, (scene, &rows), notes))
+    Ok(account(job, output, scene, &rows, notes.0, notes.1))
 }
 
 fn account(
     job: &SketchJob,
     output: &Path,
-    (scene, rows): (&Scene, &[SketchRow]),
-    (lost, warnings): (Vec<String>, Vec<String>),
+    scene: &Scene,
+    rows: &[SketchRow],
+    lost: Vec<String>,
+    warnings: Vec<String>,
 ) -> Sketched {
     let is_mark = |row: &&SketchRow| matches!(row, SketchRow::Mark(_));
     let marks = rows.iter().filter(is_mark).count();

@@ -59,7 +59,8 @@ impl Joined {
     /// Joins the links of a tree, which are in the world already, and moves them as its state says.
     pub(super) fn new(
         world: &mut PhysicsWorld,
-        (joined, tree): (&JointTree, &Tree),
+        joined: &JointTree,
+        tree: &Tree,
         state: &TreeState,
         links: &TiSlice<LinkIndex, Option<Moving>>,
         damping_per_s: f64,
@@ -86,8 +87,12 @@ impl Joined {
                 }
                 None => {
                     let parent = joint.parent.map(|parent| of(parent).state);
-                    let states = (parent.as_ref(), &of(joint.child).state);
-                    hinges.push(ball_or_weld(ends, &joint.joint, states));
+                    hinges.push(ball_or_weld(
+                        ends,
+                        &joint.joint,
+                        parent.as_ref(),
+                        &of(joint.child).state,
+                    ));
                 }
             }
         }
@@ -215,11 +220,7 @@ fn pins(
 
 /// A joint with all angles free or none, by the states of what it hangs from (none: the world) and of
 /// what hangs on it.
-fn ball_or_weld(
-    ends: Ends,
-    joint: &tree::Joint,
-    (parent, child): (Option<&State>, &State),
-) -> Hinge {
+fn ball_or_weld(ends: Ends, joint: &tree::Joint, parent: Option<&State>, child: &State) -> Hinge {
     let is_ball = joint.kind == JointKind::Ball;
     let mut tied = GenericJoint::new(match is_ball {
         true => JointAxesMask::LOCKED_SPHERICAL_AXES,

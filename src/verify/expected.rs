@@ -95,7 +95,8 @@ pub(super) fn is_on(feature: &Feature, point_m: &Vector3<f64>) -> bool {
 /// declared or expected, else the nearest of the shape's own; an expected one where several are
 /// equally near; `None` where none is within [`NEAR`].
 pub(super) fn owner(
-    (link, is_declared): (&Link, &[bool]),
+    link: &Link,
+    is_declared: &[bool],
     expected: &[usize],
     point_m: &Vector3<f64>,
 ) -> Option<usize> {

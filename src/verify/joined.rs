@@ -40,16 +40,18 @@ const ENERGY: f64 = 1e-9;
 /// Doubts about all that moves of a scene with joined bodies, given when marks of events were made \[s, acted\].
 pub fn doubts(
     scene: &Scene,
-    performed: (&Sketch, &[Option<f64>]),
+    sketch: &Sketch,
+    marks_made_s: &[Option<f64>],
     estimate: &Estimate,
 ) -> Vec<Doubt> {
-    doubts_until(scene, performed, estimate, &mut ()).expect("nobody ends it")
+    doubts_until(scene, sketch, marks_made_s, estimate, &mut ()).expect("nobody ends it")
 }
 
 /// The same for as long as the observer lets it; `None` where it was ended.
 pub fn doubts_until(
     scene: &Scene,
-    (sketch, marks_made_s): (&Sketch, &[Option<f64>]),
+    sketch: &Sketch,
+    marks_made_s: &[Option<f64>],
     estimate: &Estimate,
     observer: &mut dyn Observer,
 ) -> Option<Vec<Doubt>> {
@@ -63,7 +65,7 @@ pub fn doubts_until(
         };
         for residual in &motion.residuals {
             let rms = [residual.position_rms_m, residual.orientation_rms_rad];
-            let off = in_weights(scene, (residual.track, rms));
+            let off = in_weights(scene, residual.track, rms);
             doubts.extend(Doubt::beyond(About::Residual, Place::Motion, off, RESIDUAL));
         }
         let tree = scene.tree_model_with(joined, &estimate.held);
@@ -82,23 +84,23 @@ pub fn doubts_until(
         doubts.extend(limits::doubts(joined, &tree, motion));
         doubts.extend(
             [
-                (About::Speed, fastest_m_s, SPEED_M_S),
-                (About::Spin, fastest_rad_s, SPIN_RAD_S),
+                beyond(About::Speed, fastest_m_s, SPEED_M_S),
+                beyond(About::Spin, fastest_rad_s, SPIN_RAD_S),
             ]
             .into_iter()
-            .filter_map(beyond),
+            .flatten(),
         );
     }
     let off = again::off(scene, estimate);
     doubts.extend(
         [
-            (About::Steps, off.position_m, STEPS_M),
-            (About::Gap, off.gap_m, GAP_M),
-            (About::Receding, off.receding_m_s, RECEDING_M_S),
-            (About::Energy, off.energy, ENERGY),
+            beyond(About::Steps, off.position_m, STEPS_M),
+            beyond(About::Gap, off.gap_m, GAP_M),
+            beyond(About::Receding, off.receding_m_s, RECEDING_M_S),
+            beyond(About::Energy, off.energy, ENERGY),
         ]
         .into_iter()
-        .filter_map(beyond),
+        .flatten(),
     );
     doubts.extend(off.pulls.iter().filter_map(Pull::doubt));
     let is_finite = estimate.trees.iter().all(|motion| motion.is_finite())
@@ -120,12 +122,12 @@ pub fn doubts_until(
     Some(doubts)
 }
 
-fn beyond((about, value, bound): (About, f64, f64)) -> Option<Doubt> {
+fn beyond(about: About, value: f64, bound: f64) -> Option<Doubt> {
     Doubt::beyond(about, Place::Motion, value, bound)
 }
 
 /// The larger residual of a track \[m\] \[rad\] in units of its weights.
-fn in_weights(scene: &Scene, (track, rms): (TrackIndex, [Option<f64>; 2])) -> f64 {
+fn in_weights(scene: &Scene, track: TrackIndex, rms: [Option<f64>; 2]) -> f64 {
     let weights = scene.tracks[track].weights(&scene.weights);
     let units = [weights.position_m, weights.orientation_rad];
     let seen = rms.into_iter().zip(units);

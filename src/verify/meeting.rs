@@ -275,7 +275,7 @@ impl Meeting<'_> {
         };
         let world_from_other = self.partner.pose(time_s);
         let near_m = world_from_other.inverse_transform_point(&Point3::from(*near_m));
-        let feature = expected::owner(link.with_declared(), expected, &near_m.coords)
+        let feature = expected::owner(link.of_scene, link.is_declared(), expected, &near_m.coords)
             .filter(|feature| expected.contains(feature))?;
         let Feature::Point { point_m, radius_m } = link.of_scene.features[feature].geometry else {
             return None;

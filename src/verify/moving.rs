@@ -35,7 +35,7 @@ impl<'a> MovingLink<'a> {
         let held = estimate.held_motion(index);
         let joined = JoinedLink::new(scene, index, estimate);
         let arcs = match (held, &joined) {
-            (Some(held), _) => between_collisions(held, (scene, index), estimate),
+            (Some(held), _) => between_collisions(held, scene, index, estimate),
             (None, Some(joined)) => joined.arcs(),
             (None, None) => estimate.arcs.iter().filter(is_its).cloned().collect(),
         };
@@ -58,8 +58,8 @@ impl<'a> MovingLink<'a> {
     }
 
     /// The link, and which of its features its scene declares.
-    pub(super) fn with_declared(&self) -> (&Link, &[bool]) {
-        (self.of_scene, &self.is_declared)
+    pub(super) fn is_declared(&self) -> &[bool] {
+        &self.is_declared
     }
 
     /// The state on an arc.
@@ -104,7 +104,8 @@ impl<'a> MovingLink<'a> {
 /// The motion of a held link as pieces between its collisions, over the time of all flights.
 fn between_collisions(
     held: &HeldEstimate,
-    (scene, link): (&Scene, LinkIndex),
+    scene: &Scene,
+    link: LinkIndex,
     estimate: &Estimate,
 ) -> Vec<ArcEstimate> {
     let Some([start_s, end_s]) = estimate.extent_s() else {

@@ -150,8 +150,8 @@ impl<'w, 'm> OverlapScan<'w, 'm> {
         let mut owner = None;
         if gap_m < 0.0 {
             let link = self.meeting.link.of_scene;
-            let declared = self.meeting.link.with_declared();
-            owner = expected::owner(declared, &self.expected, &closest.point_m)
+            let declared = self.meeting.link.is_declared();
+            owner = expected::owner(link, declared, &self.expected, &closest.point_m)
                 .filter(|feature| self.expected.contains(feature));
             let of_link = owner
                 .filter(|&feature| matches!(link.features[feature].geometry, Feature::Point { .. }))

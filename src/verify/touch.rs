@@ -20,8 +20,14 @@ pub(super) fn touches(world: &World) -> Vec<Touch> {
         };
         for link in collision.links() {
             for (against, features) in expected::expected(world.scene, collision, link) {
-                let place = (event.event, event.time_s, link, against);
-                touches.extend(touch(world, place, features));
+                touches.extend(touch(
+                    world,
+                    event.event,
+                    event.time_s,
+                    link,
+                    against,
+                    features,
+                ));
             }
         }
     }
@@ -30,7 +36,10 @@ pub(super) fn touches(world: &World) -> Vec<Touch> {
 
 fn touch(
     world: &World,
-    (event, time_s, index, against): (usize, f64, LinkIndex, Against),
+    event: usize,
+    time_s: f64,
+    index: LinkIndex,
+    against: Against,
     expected: Vec<usize>,
 ) -> Option<Touch> {
     let link = &world.links[index];
@@ -49,7 +58,12 @@ fn touch(
         .map(|&feature| meeting.feature_gap_m(time_s, feature, &closest.point_m))
         .fold(f64::INFINITY, f64::min);
     let lead_m = of_features_m - closest.gap_m;
-    let found = expected::owner(link.with_declared(), &expected, &closest.point_m);
+    let found = expected::owner(
+        link.of_scene,
+        link.is_declared(),
+        &expected,
+        &closest.point_m,
+    );
     let is_expected = found.is_some_and(|found| expected.contains(&found));
     Some(Touch {
         event,

@@ -43,14 +43,18 @@ pub fn patches(
     scene: &Scene,
     estimates: &TiSlice<LinkIndex, Vec<PoseSample>>,
 ) -> Vec<Option<Patch>> {
-    let of = |surface: &Surface| Some(patch(scene, estimates, surface.plane()?));
+    let of = |surface: &Surface| {
+        let (point_m, normal) = surface.plane()?;
+        Some(patch(scene, estimates, point_m, normal))
+    };
     scene.surfaces.iter().map(of).collect()
 }
 
 fn patch(
     scene: &Scene,
     estimates: &TiSlice<LinkIndex, Vec<PoseSample>>,
-    (point_m, normal): (Vector3<f64>, Vector3<f64>),
+    point_m: Vector3<f64>,
+    normal: Vector3<f64>,
 ) -> Patch {
     let turn = so3::between(&Vector3::z(), &normal);
     let up = (-scene.gravity_m_s2).try_normalize(1e-6);

@@ -33,7 +33,8 @@ pub fn ros_message(schema: &str, encoding: &str) -> Option<RosMessage> {
 
 /// The bytes of the ROS 2 message that a message of such a channel becomes.
 pub fn translated(
-    (schema, encoding): (&str, &str),
+    schema: &str,
+    encoding: &str,
     to: RosMessage,
     data: &[u8],
 ) -> Result<Vec<u8>, TranslateError> {
@@ -148,7 +149,7 @@ mod tests {
             ),
         ] {
             let to = ros_message(schema, "protobuf").expect(schema);
-            let found = translated((schema, "protobuf"), to, &given.expect(encoded));
+            let found = translated(schema, "protobuf", to, &given.expect(encoded));
             assert_eq!(found.expect(schema), expected.expect(encoded), "{schema}");
         }
         assert_eq!(ros_message("foxglove.SceneUpdate", "protobuf"), None);
@@ -163,7 +164,7 @@ mod tests {
         ] {
             let to = ros_message(schema, "protobuf").expect(schema);
             assert!(
-                translated((schema, "protobuf"), to, b"\xff\xff\xff").is_err(),
+                translated(schema, "protobuf", to, b"\xff\xff\xff").is_err(),
                 "{schema}"
             );
         }

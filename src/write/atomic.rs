@@ -42,7 +42,7 @@ impl AtomicFile {
     pub fn create_of(path: &Path, made_of: &[&Path]) -> Result<Self, WriteError> {
         let target = target_of(path)?;
         let mode = mode_of(&target, made_of);
-        let file = Self::open(path, target, builder(), (true, mode.at_first))?;
+        let file = Self::open(path, target, builder(), true, mode.at_first)?;
         file.allow(mode.in_the_end)?;
         Ok(file)
     }
@@ -56,7 +56,7 @@ impl AtomicFile {
     /// [`AtomicFile::create_fresh`] of what is made of other files, as [`AtomicFile::create_of`].
     pub fn create_fresh_of(path: &Path, made_of: &[&Path]) -> Result<Self, WriteError> {
         let mode = ORDINARY & least_of(made_of);
-        Self::open(path, path.to_owned(), builder(), (false, mode))
+        Self::open(path, path.to_owned(), builder(), false, mode)
     }
 
     /// [`AtomicFile::create_fresh`] with a temporary of the same name each time, so that one that a
@@ -78,14 +78,15 @@ impl AtomicFile {
         let mut builder = tempfile::Builder::new();
         builder.prefix(&name).rand_bytes(0);
         let mode = ORDINARY & least_of(&[made_of]);
-        Self::open(path, path.to_owned(), builder, (false, mode))
+        Self::open(path, path.to_owned(), builder, false, mode)
     }
 
     fn open(
         path: &Path,
         target: PathBuf,
         mut builder: tempfile::Builder,
-        (replaces, mode): (bool, u32),
+        replaces: bool,
+        mode: u32,
     ) -> Result<Self, WriteError> {
         let elsewhere = std::env::temp_dir();
         let directory = match is_pipe(path) {

@@ -50,7 +50,7 @@ pub(super) fn live_scene_update(
     patches: &[Option<Patch>],
 ) -> Result<Vec<u8>, WriteError> {
     let at = timestamp(Path::new(topics::SCENE), at)?;
-    let mut entities = entities(scene, (world_frame, at), patches);
+    let mut entities = entities(scene, world_frame, at, patches);
     for (link, body) in scene.links.iter_enumerated() {
         entities.push(ghost(scene, link, at));
         let mut live = entity(
@@ -73,7 +73,8 @@ pub(super) fn bytes_of(entities: Vec<SceneEntity>) -> Vec<u8> {
 
 pub(super) fn entities(
     scene: &Scene,
-    (world_frame, at): (&str, Timestamp),
+    world_frame: &str,
+    at: Timestamp,
     patches: &[Option<Patch>],
 ) -> Vec<SceneEntity> {
     let entities = visuals(scene, patches).into_iter().map(|visual| {

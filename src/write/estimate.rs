@@ -79,7 +79,7 @@ pub fn write_estimate(path: &Path, file: &EstimateFile) -> Result<Written, Write
         settled,
         ..
     } = file.of;
-    let motion = SampledMotion::new((scene, sketch), estimate, settled, file.frame_rate_hz)
+    let motion = SampledMotion::new(scene, sketch, estimate, settled, file.frame_rate_hz)
         .map_err(WriteError::sampling(path))?;
     let additions = Composer::new(path, file, &motion).compose()?;
     let added = additions.messages.len() as u64;
@@ -224,8 +224,14 @@ impl<'a> Composer<'a> {
         if let Some(format) = self.dialect.drawings() {
             let channel = self.channel(topics::SCENE, format);
             let estimate = self.file.of.estimate;
-            let of = (scene, estimate, self.motion);
-            let data = trails::scene_update(self.path, of, world_frame, &patches)?;
+            let data = trails::scene_update(
+                self.path,
+                scene,
+                estimate,
+                self.motion,
+                world_frame,
+                &patches,
+            )?;
             self.push(channel, self.motion.zero, data);
         }
         let acted = self.motion.sketches.iter_enumerated();

@@ -395,7 +395,7 @@ fn begin(
         mcap::McapResult::Ok(JournalChannel {
             id,
             sequence: 0,
-            repeat: repeats::definition((schema_id, schema), (id, topic, encoding)),
+            repeat: repeats::definition(schema_id, schema, id, topic, encoding),
             repeated: None,
         })
     };

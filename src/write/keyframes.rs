@@ -17,7 +17,7 @@ pub fn csv_of_sketch(rows: &[SketchRow], scene: &Scene) -> String {
                 track,
                 flight,
                 keyframe,
-            } => cells_of_keyframe(scene, (*track, *flight), keyframe),
+            } => cells_of_keyframe(scene, *track, *flight, keyframe),
             SketchRow::Mark(mark) => cells_of_mark(mark),
         };
         let of = |column: &&str| {
@@ -44,7 +44,7 @@ pub fn toml_of_sketch(rows: &[SketchRow], scene: &Scene) -> String {
                 track,
                 flight,
                 keyframe,
-            } => keyframe_table(&mut text, (scene, &parts), (*track, *flight), keyframe),
+            } => keyframe_table(&mut text, scene, &parts, *track, *flight, keyframe),
             SketchRow::Mark(mark) => {
                 let event = mark.event.as_deref().unwrap_or_default();
                 let at = seconds(mark.stamp);
@@ -110,7 +110,8 @@ impl Parts {
 
 fn cells_of_keyframe(
     scene: &Scene,
-    (track, flight): (TrackIndex, usize),
+    track: TrackIndex,
+    flight: usize,
     keyframe: &Keyframe,
 ) -> Vec<(&'static str, String)> {
     let mut cells = vec![
@@ -149,8 +150,10 @@ fn cells_of_mark(mark: &Mark) -> Vec<(&'static str, String)> {
 
 fn keyframe_table(
     text: &mut String,
-    (scene, parts): (&Scene, &Parts),
-    (track, flight): (TrackIndex, usize),
+    scene: &Scene,
+    parts: &Parts,
+    track: TrackIndex,
+    flight: usize,
     keyframe: &Keyframe,
 ) {
     *text += "[[keyframe]]\n";

@@ -85,7 +85,8 @@ impl TrackerPublisher {
     pub fn control(
         &self,
         command: Command,
-        (session, sequence): (u32, u64),
+        session: u32,
+        sequence: u64,
         now_ns: i64,
         token: Token,
     ) -> Result<usize, LiveError> {

@@ -107,7 +107,7 @@ impl Showing {
     /// Samples the motion at [`DEFAULT_FRAME_RATE_HZ`]. Fails where it is too long for that.
     pub fn new(of: &Reported) -> Result<Self, WriteError> {
         let (scene, sketch, estimate) = (of.scene, of.sketch, of.estimate);
-        let motion = SampledMotion::new((scene, sketch), estimate, None, DEFAULT_FRAME_RATE_HZ)
+        let motion = SampledMotion::new(scene, sketch, estimate, None, DEFAULT_FRAME_RATE_HZ)
             .map_err(WriteError::sampling(Path::new(VIEWER)))?;
         let zero = motion.zero;
         let stamps = || motion.estimates.iter().flatten().map(|sample| sample.stamp);

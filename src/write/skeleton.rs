@@ -85,7 +85,7 @@ impl<'a> Skeleton<'a> {
         let mut names = Names::new(scene, world_frame);
         let bodies = scene.links.iter_enumerated().map(|(link, of)| {
             let frame = topics::estimate_frame(&of.name);
-            let hanging = hanging((scene, world_frame), link, &mut names);
+            let hanging = hanging(scene, world_frame, link, &mut names);
             let joint = match &hanging {
                 Some(hanging) if hanging.hinges.is_empty() => hanging.joint.name.clone(),
                 _ => unused(&mut names.joints, format!("{frame}_joint")),
@@ -202,7 +202,8 @@ fn pose_of(sample: &PoseSample) -> Pose {
 
 /// By what a body hangs; `None` where it moves freely.
 fn hanging<'a>(
-    (scene, world_frame): (&'a Scene, &str),
+    scene: &'a Scene,
+    world_frame: &str,
     link: LinkIndex,
     names: &mut Names,
 ) -> Option<Hanging<'a>> {

@@ -32,25 +32,29 @@ const EVENT_RGBA: [f64; 4] = [0.85, 0.15, 0.20, 0.9];
 /// patches.
 pub(super) fn scene_update(
     path: &Path,
-    (scene, estimate, motion): (&Scene, &Estimate, &SampledMotion),
+    scene: &Scene,
+    estimate: &Estimate,
+    motion: &SampledMotion,
     world_frame: &str,
     patches: &[Option<Patch>],
 ) -> Result<Vec<u8>, WriteError> {
     let at = timestamp(path, motion.zero)?;
-    let mut entities = entities(scene, (world_frame, at), patches);
+    let mut entities = entities(scene, world_frame, at, patches);
     let seen = motion.sketches.iter_enumerated();
     let seen = seen.filter(|(_, samples)| !samples.is_empty());
     entities.extend(seen.map(|(link, _)| ghost(scene, link, at)));
-    entities.extend(trails((scene, estimate), motion, (world_frame, at)));
+    entities.extend(trails(scene, estimate, motion, world_frame, at));
     Ok(bytes_of(entities))
 }
 
 /// The ways of all bodies and the events on them, in the world's frame. A body that does not move, or of which
 /// no tracker sees the pose, has no such way.
 fn trails(
-    (scene, estimate): (&Scene, &Estimate),
+    scene: &Scene,
+    estimate: &Estimate,
     motion: &SampledMotion,
-    (world_frame, at): (&str, Timestamp),
+    world_frame: &str,
+    at: Timestamp,
 ) -> Vec<SceneEntity> {
     let mut entities = Vec::new();
     let mut acted = GHOST_RGBA;
@@ -147,10 +151,10 @@ mod tests {
     #[test]
     fn bodies_move_with_their_frames_and_the_world_stands_still() {
         let (scene, sketch, estimate) = (scene(), sketch(), estimate());
-        let motion = SampledMotion::new((&scene, &sketch), &estimate, None, 240.0).expect("frames");
+        let motion = SampledMotion::new(&scene, &sketch, &estimate, None, 240.0).expect("frames");
         let patches = patches(&scene, &motion.estimates);
-        let of = (&scene, &estimate, &motion);
-        let bytes = scene_update(Path::new("x"), of, "map", &patches).expect("encode");
+        let bytes = scene_update(Path::new("x"), &scene, &estimate, &motion, "map", &patches)
+            .expect("encode");
         let update = SceneUpdate::decode(&bytes[..]).expect("decode");
         let found: Vec<_> = update
             .entities

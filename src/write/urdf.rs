@@ -73,7 +73,7 @@ pub(super) fn robot(
         }
         text.push_str("  </link>\n");
         let kind = if pose.is_some() { "fixed" } else { "floating" };
-        open_joint(&mut text, (&body.joint, kind), [parent, &body.frame]);
+        open_joint(&mut text, &body.joint, kind, [parent, &body.frame]);
         if let Some(pose) = &pose {
             let _ = writeln!(text, "    {}", origin(pose));
         }
@@ -94,7 +94,7 @@ fn add_ghost(text: &mut String, link: &Link, world_frame: &str) {
     add_shape(text, &link.shape, &link.given_from_shape(), &rgba);
     text.push_str("  </link>\n");
     let joint = format!("{frame}_joint");
-    open_joint(text, (&joint, "floating"), [world_frame, &frame]);
+    open_joint(text, &joint, "floating", [world_frame, &frame]);
     text.push_str("  </joint>\n");
 }
 
@@ -104,18 +104,18 @@ fn add_hinges<'s>(text: &mut String, hanging: &'s Hanging) -> &'s str {
     let mut pose = hanging.parent_from_joint();
     for hinge in &hanging.hinges {
         let _ = writeln!(text, "  <link name=\"{}\"/>", escaped(&hinge.frame));
-        add_hinge(text, (hanging, hinge), parent, &pose);
+        add_hinge(text, hanging, hinge, parent, &pose);
         (parent, pose) = (&hinge.frame, Pose::identity());
     }
     parent
 }
 
-fn add_hinge(text: &mut String, (hanging, hinge): (&Hanging, &Hinge), parent: &str, pose: &Pose) {
+fn add_hinge(text: &mut String, hanging: &Hanging, hinge: &Hinge, parent: &str, pose: &Pose) {
     let kind = match hinge.limits_rad {
         Some(_) => "revolute",
         None => "continuous",
     };
-    open_joint(text, (&hinge.name, kind), [parent, &hinge.frame]);
+    open_joint(text, &hinge.name, kind, [parent, &hinge.frame]);
     let axis = hinge.axis;
     let _ = writeln!(
         text,
@@ -139,7 +139,7 @@ fn add_hinge(text: &mut String, (hanging, hinge): (&Hanging, &Hinge), parent: &s
     text.push_str("  </joint>\n");
 }
 
-fn open_joint(text: &mut String, (name, kind): (&str, &str), [parent, child]: [&str; 2]) {
+fn open_joint(text: &mut String, name: &str, kind: &str, [parent, child]: [&str; 2]) {
     let [name, parent, child] = [name, parent, child].map(escaped);
     let _ = writeln!(
         text,

@@ -98,7 +98,7 @@ fn the_hand_goes_through_the_collisions_in_what_is_written() {
         .expect("one");
     let outcome = finished(&take);
     let (scene, sketch, estimate) = (&outcome.scene, &outcome.sketch, &outcome.estimate);
-    let motion = SampledMotion::new((scene, sketch), estimate, None, 240.0).expect("frames");
+    let motion = SampledMotion::new(scene, sketch, estimate, None, 240.0).expect("frames");
     let frames = &motion.estimates[RACKET];
     assert!(frames.len() > 200 && frames.windows(2).all(|two| two[0].stamp < two[1].stamp));
     assert!(motion.sketches[RACKET].len() > 100);

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use enact::estimate::{Recipe, estimate};
 use enact::ingest::Recording;
-use enact::motion::{LinkIndex, MechanismIndex, TakeEvent, Verdict};
+use enact::motion::{LinkIndex, MechanismIndex, Performance, TakeEvent, Verdict};
 use enact::pipeline::Outcome;
 use enact_tools::case::{Case, Posed};
 use enact_tools::perform::recording::write;
@@ -196,11 +196,15 @@ fn motions_from_whitened_states_cost_what_they_say() {
         let case = Case::new(&truth, &acting, seed);
         let outcome = case.estimated(&mut ()).expect("an estimate");
         let posed = Posed::without_marks(&outcome.scene, &outcome.sketch);
-        let of = (&outcome.scene, &outcome.sketch, posed.segments.as_slice());
+        let of = Performance {
+            scene: &outcome.scene,
+            sketch: &outcome.sketch,
+            segments: &posed.segments,
+        };
         let solved = estimate(
-            of.0,
-            of.1,
-            of.2,
+            of.scene,
+            of.sketch,
+            of.segments,
             &posed.guesses,
             &Recipe::default(),
             &mut (),

@@ -10,11 +10,13 @@ use std::fs;
 use std::path::Path;
 
 mod circles;
+mod dialect;
 mod opens;
 mod tokens;
 mod uses;
 
 use circles::{Importer, circles};
+use dialect::Dialect;
 use tokens::{Token, is_word, out_of_line_tests, tokens, without_tests};
 use uses::uses;
 
@@ -214,6 +216,7 @@ fn violations(files: &[File]) -> Vec<String> {
     };
     let mut found = Vec::new();
     let mut importers = Vec::new();
+    let mut dialect = Dialect::default();
     for file in files {
         let lines = file.text.lines().count();
         if lines > LINES {
@@ -228,6 +231,7 @@ fn violations(files: &[File]) -> Vec<String> {
         check_doors(file, &code, &mut found);
         check_core(file, &code, &mut found);
         opens::check(file, &code, &mut found);
+        dialect.add(&file.path, &code);
         check_mod(file, &code, &mut found);
         check_names(file, &code, &mut found);
         importers.push(Importer {
@@ -238,6 +242,7 @@ fn violations(files: &[File]) -> Vec<String> {
             check_unwraps(file, &code, &mut found);
         }
     }
+    found.extend(dialect.excess());
     for circle in circles(&importers) {
         found.push(format!("{}: import each other", circle.join(", ")));
     }

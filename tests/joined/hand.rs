@@ -78,7 +78,8 @@ fn usual_hands_give_motions_near_the_true_ones() {
 /// In every frame that is written the first rod's end is at the handle's joint, and the second's at the first's.
 fn stay_in_the_hand(outcome: &Outcome) {
     let frames = SampledMotion::new(
-        (&outcome.scene, &outcome.sketch),
+        &outcome.scene,
+        &outcome.sketch,
         &outcome.estimate,
         None,
         60.0,

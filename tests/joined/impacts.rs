@@ -127,8 +127,12 @@ fn motions_that_break_the_law_are_doubted() {
     let strike = strike(&KINDS[0], &Acted::of(0.5), 8020);
     let outcome = strike.finished();
     let doubts = |estimate: &Estimate| -> Vec<About> {
-        let made = (&outcome.sketch, &*outcome.marks_made_s);
-        let doubts = verify::joined::doubts(&outcome.scene, made, estimate);
+        let doubts = verify::joined::doubts(
+            &outcome.scene,
+            &outcome.sketch,
+            &outcome.marks_made_s,
+            estimate,
+        );
         doubts.iter().map(|doubt| doubt.about).collect()
     };
     let estimate = &outcome.estimate;
@@ -174,8 +178,12 @@ fn what_a_scene_forbids_is_doubted() {
     let strike = strike(&KINDS[3], &Acted::of(0.5), 8021);
     let outcome = strike.finished();
     let doubts = |scene: &Scene| -> Vec<Doubt> {
-        let made = (&outcome.sketch, &*outcome.marks_made_s);
-        verify::joined::doubts(scene, made, &outcome.estimate)
+        verify::joined::doubts(
+            scene,
+            &outcome.sketch,
+            &outcome.marks_made_s,
+            &outcome.estimate,
+        )
     };
     let has = |doubts: &[Doubt], about: About| doubts.iter().any(|doubt| doubt.about == about);
     assert_eq!(doubts(&strike.scene), []);

@@ -135,8 +135,8 @@ fn meetings_that_break_the_law_are_doubted() {
     let strike = meet(&KINDS[0], &Acted::of(0.5), 8120);
     let outcome = strike.finished();
     let doubts = |scene: &Scene, estimate: &Estimate| -> Vec<About> {
-        let made = (&outcome.sketch, &*outcome.marks_made_s);
-        let doubts = verify::joined::doubts(scene, made, estimate);
+        let doubts =
+            verify::joined::doubts(scene, &outcome.sketch, &outcome.marks_made_s, estimate);
         doubts.iter().map(|doubt| doubt.about).collect()
     };
     let (scene, estimate) = (&strike.scene, &outcome.estimate);

@@ -75,7 +75,8 @@ fn a_chain_that_hits_the_table_comes_to_lie_on_it() {
         let [_, end_s] = outcome.estimate.trees[0].span_s();
         assert_eq!(settled.from_s, end_s);
         let motion = SampledMotion::new(
-            (&outcome.scene, &outcome.sketch),
+            &outcome.scene,
+            &outcome.sketch,
             &outcome.estimate,
             outcome.settled.as_ref(),
             240.0,

@@ -82,7 +82,8 @@ fn pendulums_meet_their_goals_and_stay_joined() {
 /// The end of each rod is where the next begins.
 fn stay_joined(performance: &TreePerformance, outcome: &Outcome) {
     let motion = SampledMotion::new(
-        (&outcome.scene, &outcome.sketch),
+        &outcome.scene,
+        &outcome.sketch,
         &outcome.estimate,
         None,
         100.0,
@@ -392,9 +393,14 @@ fn a_lower_optimum_is_found_along_what_is_told_weakly() {
 fn knots_that_do_not_follow_from_the_first_are_doubted() {
     let performance = trees::perform(&PENDULUMS[1], &hung(), 8051);
     let outcome = finished(&performance);
-    let (estimate, made) = (&outcome.estimate, (&outcome.sketch, &*outcome.marks_made_s));
+    let estimate = &outcome.estimate;
     let doubts = |estimate: &Estimate| -> Vec<About> {
-        let doubts = verify::joined::doubts(&performance.scene, made, estimate);
+        let doubts = verify::joined::doubts(
+            &performance.scene,
+            &outcome.sketch,
+            &outcome.marks_made_s,
+            estimate,
+        );
         doubts.iter().map(|doubt| doubt.about).collect()
     };
     assert_eq!(doubts(estimate), []);

@@ -173,7 +173,7 @@ fn said_of(
         estimate,
         ..
     } = &outcome;
-    credible::doubts((scene, scene), sketch, marks_made_s, estimate)
+    credible::doubts(scene, scene, sketch, marks_made_s, estimate)
 }
 
 fn has(doubts: &[Doubt], about: About) -> bool {

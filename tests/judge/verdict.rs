@@ -72,7 +72,8 @@ impl Solved {
             scene,
             &self.sketch,
             &context,
-            (solution, &errors),
+            solution,
+            &errors,
             Counters::default(),
         )
     }

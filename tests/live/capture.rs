@@ -386,7 +386,7 @@ fn takes_follow_one_another_and_can_be_thrown_away() {
         let command = Command::of(command).expect("command");
         assert_eq!(
             director
-                .control(command, (7, sequence), 0, token)
+                .control(command, 7, sequence, 0, token)
                 .expect("send"),
             1
         );
@@ -425,7 +425,7 @@ fn a_command_that_comes_again_is_answered_again_and_obeyed_once() {
     let answer = |command: Command, sequence: u64| {
         assert_eq!(
             director
-                .control(command, (7, sequence), 5, token)
+                .control(command, 7, sequence, 5, token)
                 .expect("send"),
             1
         );

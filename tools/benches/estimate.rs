@@ -260,7 +260,7 @@ mod iteration {
         bencher.bench_local(|| {
             context.evaluate(&guidance, &point, &mut system);
             let kkt = Kkt::new(&context, &system, &multipliers);
-            kkt.map(|kkt| kkt.step(context.structure(), (&system, None)))
+            kkt.map(|kkt| kkt.step(context.structure(), &system, None))
         });
     }
 

@@ -44,8 +44,8 @@ impl Uncertainty {
         let (point, system) = (&solution.point, &solution.system);
         let context = SolveContext::new(problem, layout, recipe::epochs_s(guess), point);
         let residuals = outcome::errors(problem, &context, point);
-        let at = (point, system);
-        let covariance = Covariance::new(&context, at, &solution.multipliers, &residuals)?;
+        let covariance =
+            Covariance::new(&context, point, system, &solution.multipliers, &residuals)?;
         let all: Vec<usize> = (0..layout.size()).collect();
         let library = covariance.of(&all);
         let Exact { free, scale, exact } = Exact::of(&context, system)?;

@@ -367,7 +367,7 @@ fn value(truth: &Truth, goal: &Goal) -> Option<Vector3<f64>> {
     }
     let state_of = |link| Some(truth.state_at(link, at));
     let quantity = &condition.quantity;
-    let point_m = truth.scene.point_of((goal, quantity), &state_of)?;
+    let point_m = truth.scene.point_of(goal, quantity, &state_of)?;
     let other = quantity.seen_from().map(|link| truth.state_at(link, at));
     Some(quantity.value(&truth.state_at(goal.link, at), other.as_ref(), &point_m))
 }

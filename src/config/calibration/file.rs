@@ -203,5 +203,5 @@ impl Calibration {
 
 /// An axis of a body by name, `+z`, or the normal of one of its faces: unit, body axes.
 pub fn body_axis(link: &Link, name: &str) -> Result<Vector3<f64>, CalibrationError> {
-    axis("the axis", link, (name, 0..0)).map_err(|fault| CalibrationError::Axis(fault.message))
+    axis("the axis", link, name, 0..0).map_err(|fault| CalibrationError::Axis(fault.message))
 }

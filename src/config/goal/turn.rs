@@ -61,7 +61,7 @@ impl Table<'_> {
             return Ok(None);
         };
         let axis = match given.get_ref() {
-            RawAxis::Name(name) => axis("axis", &self.scene.links[link], (name, given.span()))?,
+            RawAxis::Name(name) => axis("axis", &self.scene.links[link], name, given.span())?,
             RawAxis::Vector(numbers) => {
                 let triple: Triple = Spanned::new(given.span(), *numbers);
                 self.link_from_given(Some(link)).rotation * direction("axis", &triple)?

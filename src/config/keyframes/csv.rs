@@ -73,7 +73,7 @@ pub(super) fn rows(text: &str) -> Result<Vec<Written>, Fault> {
     let columns = columns(&fields(start, line)?)?;
     let mut rows = Vec::new();
     for (start, line) in lines {
-        rows.push(row(&columns, (start, line))?);
+        rows.push(row(&columns, start, line)?);
     }
     Ok(rows)
 }
@@ -169,7 +169,7 @@ fn columns(header: &[Field]) -> Result<Vec<(Value, i32)>, Fault> {
     Ok(columns)
 }
 
-fn row(columns: &[(Value, i32)], (start, line): (usize, &str)) -> Result<Written, Fault> {
+fn row(columns: &[(Value, i32)], start: usize, line: &str) -> Result<Written, Fault> {
     let fields = fields(start, line)?;
     if fields.len() != columns.len() {
         return fault(

@@ -77,13 +77,13 @@ fn add(
             continue;
         };
         let first = soup.corners.len();
-        let corners = Elements::new(&positions, blob, (DataType::F32, Dimensions::Vec3))?;
+        let corners = Elements::new(&positions, blob, DataType::F32, Dimensions::Vec3)?;
         let count = corners.count;
         let indices: Vec<u32> = match primitive.indices() {
             None => (0..count as u32).collect(),
             Some(accessor) => {
-                let kind = (accessor.data_type(), Dimensions::Scalar);
-                let elements = Elements::new(&accessor, blob, kind)?;
+                let data = accessor.data_type();
+                let elements = Elements::new(&accessor, blob, data, Dimensions::Scalar)?;
                 let number = |bytes: &[u8]| {
                     let digits = bytes.iter().rev();
                     digits.fold(0_u32, |sum, byte| sum << 8 | u32::from(*byte))
@@ -132,9 +132,10 @@ impl<'a> Elements<'a> {
     fn new(
         accessor: &Accessor,
         blob: &'a [u8],
-        kind: (DataType, Dimensions),
+        data: DataType,
+        dimensions: Dimensions,
     ) -> Result<Self, MeshError> {
-        if (accessor.data_type(), accessor.dimensions()) != kind {
+        if accessor.data_type() != data || accessor.dimensions() != dimensions {
             return Err(MeshError::NotRead(
                 "positions or indices of an unusual type",
             ));

@@ -265,7 +265,7 @@ fn joint(element: &mut Element, lost: &mut Notes) -> Result<Joint, Fault> {
         return element.fault(said);
     };
     let axis = axis.unwrap_or_else(|| (Vector3::x(), element.span()));
-    let kind = kind((&name, &written), axis, limits, element)?;
+    let kind = kind(&name, &written, axis.0, axis.1, limits, element)?;
     let damping_n_m_s = damping.unwrap_or(0.0);
     if !(damping_n_m_s >= 0.0) {
         let said = format!(
@@ -285,8 +285,10 @@ fn joint(element: &mut Element, lost: &mut Notes) -> Result<Joint, Fault> {
 }
 
 fn kind(
-    (name, written): (&Spanned<String>, &Spanned<String>),
-    (axis, axis_span): (Vector3<f64>, Range<usize>),
+    name: &Spanned<String>,
+    written: &Spanned<String>,
+    axis: Vector3<f64>,
+    axis_span: Range<usize>,
     limits: Option<[f64; 2]>,
     element: &Element,
 ) -> Result<Kind, Fault> {

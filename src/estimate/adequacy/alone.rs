@@ -44,7 +44,7 @@ impl Alone {
         let mut factor = damped(context, &system)?;
         for _ in 0..STEPS {
             let mut step = -&system.gradient;
-            solve((context, &factor, &is_unseen), &mut step);
+            solve(context, &factor, &is_unseen, &mut step);
             let promise = -0.5 * system.gradient.dot(&step);
             if promise <= PROMISE * system.cost {
                 break;
@@ -88,7 +88,7 @@ impl Alone {
         let is_unseen = unseen(context, &system);
         let factor = damped(context, &system)?;
         let mut step = -&system.gradient;
-        solve((context, &factor, &is_unseen), &mut step);
+        solve(context, &factor, &is_unseen, &mut step);
         Some(Self {
             step,
             is_unseen,
@@ -111,7 +111,7 @@ impl Alone {
 
     /// `H⁻¹ b` in place, of what the objective depends on; zero for the rest.
     pub(super) fn solve(&self, context: &SolveContext, b: &mut DVector<f64>) {
-        solve((context, &self.factor, &self.is_unseen), b);
+        solve(context, &self.factor, &self.is_unseen, b);
     }
 }
 
@@ -135,7 +135,7 @@ fn unseen(context: &SolveContext, system: &System) -> Vec<bool> {
     is_unseen
 }
 
-fn solve((context, factor, is_unseen): (&SolveContext, &Envelope, &[bool]), b: &mut DVector<f64>) {
+fn solve(context: &SolveContext, factor: &Envelope, is_unseen: &[bool], b: &mut DVector<f64>) {
     let clear = |b: &mut DVector<f64>| {
         for (entry, is_unseen) in b.iter_mut().zip(is_unseen) {
             if *is_unseen {

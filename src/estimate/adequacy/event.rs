@@ -51,11 +51,12 @@ struct Row {
 pub(super) fn test(
     context: &SolveContext,
     alone: &Alone,
-    (event, multipliers): (usize, &[f64]),
+    event: usize,
+    multipliers: &[f64],
 ) -> Option<PartTest> {
     let problem = context.problem;
     let arcs = flights(problem, event);
-    let rows = rows(context, alone, (event, multipliers));
+    let rows = rows(context, alone, event, multipliers);
     if arcs.is_empty() || rows.is_empty() {
         return None;
     }
@@ -68,7 +69,7 @@ pub(super) fn test(
     let errors: Vec<Residuals> = views.map(|view| alone.errors[view].clone()).collect();
     let white = noise::white(&errors);
     let absorbed = part::absorbed(context, alone, &bins, &design, &arcs);
-    let hands = part::hands(context, &bins, (&errors, &absorbed), (white, Expected::Any));
+    let hands = part::hands(context, &bins, &errors, &absorbed, white, Expected::Any);
     let products = Products::new(context, alone, &design, &rows);
     let free = free(alone, &rows);
     let values = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.value));
@@ -85,8 +86,14 @@ pub(super) fn test(
         &products.covariance(white, Some(&hands)),
         bins.dimension().saturating_sub(absorbed.len()),
     )?;
-    let part = (Part::Event(event), Place::Event(event));
-    Some(PartTest::new(part, (white, &hands), by_noise, by_hand))
+    Some(PartTest::new(
+        Part::Event(event),
+        Place::Event(event),
+        white,
+        &hands,
+        by_noise,
+        by_hand,
+    ))
 }
 
 /// The flights that begin or end at an event, and those that pass through it.
@@ -100,7 +107,7 @@ pub(super) fn flights(problem: &Problem, event: usize) -> Vec<usize> {
 }
 
 /// The event's equalities and active bounds.
-fn rows(context: &SolveContext, alone: &Alone, (event, multipliers): (usize, &[f64])) -> Vec<Row> {
+fn rows(context: &SolveContext, alone: &Alone, event: usize, multipliers: &[f64]) -> Vec<Row> {
     let structure = &context.layout.structure;
     let mut rows = Vec::new();
     let mut first = 0;

@@ -58,7 +58,7 @@ pub(super) fn test(context: &SolveContext, alone: &Alone, arc: usize) -> Option<
         return None;
     }
     known.extend(bends);
-    let hands = part::hands(context, &bins, (&errors, &known), (white, Expected::Usual));
+    let hands = part::hands(context, &bins, &errors, &known, white, Expected::Usual);
     let means = weights.flat(&bins.mean_residuals(&errors));
     let left = absorbed.beyond(DMatrix::from_columns(&[means]));
     let wander = weights.wander(&hands);
@@ -77,14 +77,20 @@ pub(super) fn test(context: &SolveContext, alone: &Alone, arc: usize) -> Option<
     by_hand.probability = (2.0 * by_hand.probability).min(1.0);
     let times_s = problem.arcs[arc].views.iter().flat_map(|view| {
         let samples = view.samples.iter();
-        samples.map(|sample| problem.sample_time_s((arc, view.track), sample, &alone.point))
+        samples.map(|sample| problem.sample_time_s(arc, view.track, sample, &alone.point))
     });
     let place = Place::Flight {
         mechanism: problem.arcs[arc].mechanism,
         start_s: times_s.fold(f64::INFINITY, f64::min),
     };
-    let part = (Part::Flight(arc), place);
-    Some(PartTest::new(part, (white, &hands), by_noise, by_hand))
+    Some(PartTest::new(
+        Part::Flight(arc),
+        place,
+        white,
+        &hands,
+        by_noise,
+        by_hand,
+    ))
 }
 
 /// `yᵀ (1 + K)⁻¹ y` of one column.

@@ -82,13 +82,15 @@ impl Hand {
     pub(super) fn of(
         bins: &Bins,
         kind: Kind,
-        (means, absorbed): (&[Six], &[Vec<Six>]),
-        (white, unit): (f64, f64),
+        means: &[Six],
+        absorbed: &[Vec<Six>],
+        white: f64,
+        unit: f64,
         expected: Expected,
     ) -> Self {
         let correlation = correlation(bins, EXPONENTS[kind as usize]);
         let floor = white.max(1e-18);
-        let contrasts = Contrasts::new((bins, kind), &correlation, (means, absorbed));
+        let contrasts = Contrasts::new(bins, kind, &correlation, means, absorbed);
         let likelihood = |size: f64| contrasts.log_likelihood(floor, size * size);
         let none = likelihood(0.0);
         let most = (MOST[kind as usize] / unit).max(MOST_UNITS) / floor.sqrt();
@@ -209,9 +211,11 @@ struct Contrasts {
 
 impl Contrasts {
     fn new(
-        (bins, kind): (&Bins, Kind),
+        bins: &Bins,
+        kind: Kind,
         correlation: &DMatrix<f64>,
-        (means, absorbed): (&[Six], &[Vec<Six>]),
+        means: &[Six],
+        absorbed: &[Vec<Six>],
     ) -> Self {
         let count = bins.count();
         // What a track does not show is as if it had no samples.

@@ -8,7 +8,7 @@ use super::score;
 use super::suspects::{Wider, unbounded};
 use crate::estimate::context::{Guidance, SolveContext};
 use crate::estimate::recipe::Solution;
-use crate::motion::{Leaning, Quantity, Scene, Segment, Sketch};
+use crate::motion::{Leaning, Performance, Quantity};
 use crate::optimise::Program;
 use crate::optimise::kkt::Kkt;
 
@@ -17,13 +17,14 @@ const GUESS: f64 = 0.05;
 
 /// The guess on which each event's time leans most; none where times are known or nothing is guessed.
 pub fn leanings(
-    (context, solution): (&SolveContext, &Solution),
-    posed: (&Scene, &Sketch, &[Segment]),
+    context: &SolveContext,
+    solution: &Solution,
+    performance: Performance,
 ) -> Vec<Option<Leaning>> {
     if !context.problem.times_are_unknown() {
         return Vec::new();
     }
-    let scene = posed.0;
+    let scene = performance.scene;
     let is_guess = |quantity: &Quantity| {
         let is_restitution = matches!(quantity, Quantity::Restitution { .. });
         is_restitution && !scene.frees(*quantity) && scene.untold(*quantity).is_none()
@@ -36,7 +37,7 @@ pub fn leanings(
         return Vec::new();
     };
     let free = guesses.iter().map(|quantity| unbounded(scene, *quantity));
-    let wider = Wider::new(context, posed, free.collect());
+    let wider = Wider::new(context, performance, free.collect());
     let point = wider.point(&solution.point);
     let extended = SolveContext::new(
         &wider.problem,
@@ -45,7 +46,7 @@ pub fn leanings(
         &point,
     );
     let system = extended.evaluated(&Guidance::none(), &point);
-    let directions = score::directions((&extended, &system), (context, &kkt), wider.first);
+    let directions = score::directions(&extended, &system, context, &kkt, wider.first);
     let of_event = |at: &Option<usize>| {
         let of_each = guesses
             .iter()

@@ -31,8 +31,10 @@ pub(super) struct PartTest {
 impl PartTest {
     /// The test of a part, at its place, by noise and by a hand.
     pub(super) fn new(
-        (part, place): (Part, Place),
-        (white, hands): ([f64; 2], &[Hand; 2]),
+        part: Part,
+        place: Place,
+        white: [f64; 2],
+        hands: &[Hand; 2],
         by_noise: Tested,
         by_hand: Tested,
     ) -> Self {
@@ -68,17 +70,26 @@ pub(super) fn tested(square: f64, freedom: usize, noise_freedom: usize) -> Optio
 pub(super) fn hands(
     context: &SolveContext,
     bins: &Bins,
-    (errors, absorbed): (&[Residuals], &[Vec<Six>]),
-    (white, expected): ([f64; 2], Expected),
+    errors: &[Residuals],
+    absorbed: &[Vec<Six>],
+    white: [f64; 2],
+    expected: Expected,
 ) -> [Hand; 2] {
     let means = bins.mean_residuals(errors);
     let problem = context.problem;
     Kind::ALL.map(|kind| match problem.performer {
         Performer::Nobody => Hand::of_tracker(bins),
         Performer::Hand | Performer::Unsaid => {
-            let shown = (means.as_slice(), absorbed);
             let unit = [problem.position_unit_m, problem.orientation_unit_rad][kind as usize];
-            Hand::of(bins, kind, shown, (white[kind as usize], unit), expected)
+            Hand::of(
+                bins,
+                kind,
+                means.as_slice(),
+                absorbed,
+                white[kind as usize],
+                unit,
+                expected,
+            )
         }
     })
 }

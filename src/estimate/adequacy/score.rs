@@ -67,7 +67,8 @@ impl Scores {
     /// The scores of the parameters from the `first` on; `base` is the factorised system without them.
     pub(super) fn new(
         extended: &Extended,
-        (base, kkt): (&SolveContext, &Kkt),
+        base: &SolveContext,
+        kkt: &Kkt,
         bins: &Bins,
         first: usize,
     ) -> Self {
@@ -75,7 +76,7 @@ impl Scores {
         let system = context.evaluated(&Guidance::none(), extended.point);
         let design = Design::new(context, extended.point, bins);
         let parameters = first..context.problem.parameters.len();
-        let directions = directions((context, &system), (base, kkt), first);
+        let directions = directions(context, &system, base, kkt, first);
         let slopes = parameters.map(|parameter| {
             let at = context.layout.parameters[parameter];
             let mut gradient = system.gradient.clone();
@@ -121,7 +122,8 @@ impl Scores {
         &self,
         group: &[usize],
         lengths: &[f64],
-        (white, hands): ([f64; 2], &[Hand; 2]),
+        white: [f64; 2],
+        hands: &[Hand; 2],
     ) -> Option<Scored> {
         let count = group.len();
         let mut information = DMatrix::zeros(count, count);
@@ -155,18 +157,24 @@ impl Scores {
 
 /// `d` of each parameter from the `first` on.
 pub(super) fn directions(
-    extended: (&SolveContext, &System),
-    base: (&SolveContext, &Kkt),
+    extended: &SolveContext,
+    system: &System,
+    base: &SolveContext,
+    kkt: &Kkt,
     first: usize,
 ) -> Vec<DVector<f64>> {
-    let of_each = extended.0.layout.parameters[first..].iter();
-    of_each.map(|at| direction(extended, base, *at)).collect()
+    let of_each = extended.layout.parameters[first..].iter();
+    of_each
+        .map(|at| direction(extended, system, base, kkt, *at))
+        .collect()
 }
 
 /// `d` of one parameter, over all unknowns of the extended problem, of which those of the base are the first.
 fn direction(
-    (context, system): (&SolveContext, &System),
-    (base, kkt): (&SolveContext, &Kkt),
+    context: &SolveContext,
+    system: &System,
+    base: &SolveContext,
+    kkt: &Kkt,
     at: usize,
 ) -> DVector<f64> {
     let size = base.layout.size();

@@ -37,7 +37,8 @@ pub(in crate::estimate) fn fill(free: &FreeParameter, value: f64, (pattern, bloc
 
 /// The bound at which one of the parameters is, or that of the cone that it is in.
 pub(in crate::estimate) fn at_bound(
-    (parameters, cones): (&[FreeParameter], &[Cone]),
+    parameters: &[FreeParameter],
+    cones: &[Cone],
     values: &[f64],
     index: usize,
 ) -> Option<AtBound> {

@@ -122,11 +122,11 @@ impl Constraint for ArcCollision {
             };
             let gap = after.state.minus(&bounced);
             let turn: Vector3<f64> = gap.fixed_rows::<3>(part::ORIENTATION).into();
-            rows.fill_positions(index, &gap.fixed_rows::<3>(0).into(), (arrival, &after));
-            rows.fill_orientations(index, &turn, (arrival, &after));
+            rows.fill_positions(index, &gap.fixed_rows::<3>(0).into(), arrival, &after);
+            rows.fill_orientations(index, &turn, arrival, &after);
             for half in [Half::Velocity, Half::Spin] {
                 let gap = gap.fixed_rows::<3>(HALF + half as usize).into();
-                rows.fill_velocities(index, half, &gap, derivative, (&before, &after));
+                rows.fill_velocities(index, half, &gap, derivative, &before, &after);
             }
         }
     }
@@ -189,8 +189,7 @@ fn arrivals<'a>(
     let time_s = point.event_times_s[collision.event];
     move |arc| {
         let Dynamics::Free(body) = problem.dynamics_of(arc);
-        let flight = (&point.arcs[arc], epochs_s[arc]);
-        ArcEnd::new(body, &gravity, flight, time_s)
+        ArcEnd::new(body, &gravity, &point.arcs[arc], epochs_s[arc], time_s)
     }
 }
 

@@ -146,13 +146,19 @@ impl ArcCondition {
             let (end, body) = if problem.arcs[*arc].is_plain {
                 let Dynamics::Free(body) = problem.dynamics_of(*arc);
                 (
-                    End::Plain(Box::new(ArcEnd::new(body, &gravity_m_s2, flight, time_s))),
+                    End::Plain(Box::new(ArcEnd::new(
+                        body,
+                        &gravity_m_s2,
+                        &point.arcs[*arc],
+                        at.epochs_s[*arc],
+                        time_s,
+                    ))),
                     *body,
                 )
             } else {
                 let dynamics = problem.dynamics_at(&point.parameters)?;
                 let Dynamics::Free(body) = dynamics[problem.arcs[*arc].mechanism];
-                let arrival = Arrival::new(problem, point, (*arc, flight.1), time_s)?;
+                let arrival = Arrival::new(problem, point, *arc, flight.1, time_s)?;
                 (End::General(Box::new(arrival)), body)
             };
             Some(Reached {
@@ -170,7 +176,7 @@ impl ArcCondition {
         };
         let states: Vec<State> = reached.iter().map(|of| of.end().state).collect();
         let shifts_m = self.centres_m(&point.parameters);
-        let measured = self.measured(&states, (&shifts_m, touching.as_ref()))?;
+        let measured = self.measured(&states, &shifts_m, touching.as_ref())?;
         let valued = &measured.valued;
 
         let by_states: Vec<ByState> = reached
@@ -185,7 +191,7 @@ impl ArcCondition {
             let each = of.on.iter().map(|(side, influence)| match side {
                 Some(side) => {
                     let flown = reached[*side].by(&valued.by[*side], *influence, value);
-                    flown + self.by_centre(&measured, &states, (*side, *influence))
+                    flown + self.by_centre(&measured, &states, *side, *influence)
                 }
                 None => self.by_surface(&measured, touching.as_ref(), *influence),
             });
@@ -197,7 +203,7 @@ impl ArcCondition {
         let bend = is_free.then(|| {
             let rate_at = |by_s: f64| {
                 let states: Vec<State> = reached.iter().map(|of| of.moved(by_s)).collect();
-                let there = self.measured(&states, (&shifts_m, touching.as_ref()))?;
+                let there = self.measured(&states, &shifts_m, touching.as_ref())?;
                 let rates = reached
                     .iter()
                     .zip(&states)
@@ -276,14 +282,15 @@ impl ArcCondition {
     fn measured(
         &self,
         states: &[State],
-        (centres_m, touching): (&[Vector3<f64>; 2], Option<&Touching>),
+        centres_m: &[Vector3<f64>; 2],
+        touching: Option<&Touching>,
     ) -> Option<Measured> {
         let quantity = &self.condition.quantity;
         let seen_from = quantity.seen_from().and(states.get(1));
         let touched = match (&self.touched, touching) {
             (Some(touched), Some(touching)) => {
                 let contact = touching.contacts.as_slice().get(touched.contact)?;
-                Some(TouchedPoint::new((contact, touched), states)?)
+                Some(TouchedPoint::new(contact, touched, states)?)
             }
             _ => None,
         };
@@ -311,7 +318,8 @@ impl ArcCondition {
         &self,
         measured: &Measured,
         states: &[State],
-        (side, influence): (usize, Influence),
+        side: usize,
+        influence: Influence,
     ) -> Vector3<f64> {
         let Influence::Centre(axis) = influence else {
             return Vector3::zeros();

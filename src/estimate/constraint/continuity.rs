@@ -22,7 +22,8 @@ impl CollisionRows<'_> {
         &mut self,
         side: usize,
         gap: &Vector3<f64>,
-        (before, after): (&ArcEnd, &ArcEnd),
+        before: &ArcEnd,
+        after: &ArcEnd,
     ) {
         let (pattern, block) = &mut self.block;
         let (s, t) = (before.duration_s, after.duration_s);
@@ -45,7 +46,8 @@ impl CollisionRows<'_> {
         &mut self,
         side: usize,
         turn: &Vector3<f64>,
-        (before, after): (&ArcEnd, &ArcEnd),
+        before: &ArcEnd,
+        after: &ArcEnd,
     ) {
         let (pattern, block) = &mut self.block;
         let scale = 1.0 / unit::ORIENTATION_RAD;
@@ -79,7 +81,8 @@ impl CollisionRows<'_> {
         half: Half,
         gap: &Vector3<f64>,
         derivative: &ImpactDerivative,
-        (before, after): (&[Option<ArcEnd>; 2], &ArcEnd),
+        before: &[Option<ArcEnd>; 2],
+        after: &ArcEnd,
     ) {
         let scale = match half {
             Half::Velocity => 1.0 / unit::VELOCITY_M_S,

@@ -81,7 +81,7 @@ pub(super) fn fill(
     let (problem, parameters) = (at.problem, &at.point.parameters);
     let places = Places::new(problem, collision);
     let time_s = at.point.event_times_s[collision.event];
-    let arrive = |arc: usize| Arrival::new(problem, at.point, (arc, at.epochs_s[arc]), time_s);
+    let arrive = |arc: usize| Arrival::new(problem, at.point, arc, at.epochs_s[arc], time_s);
     let held = collision
         .held
         .map(|held| Arrival::given(&at.point.held[held]));

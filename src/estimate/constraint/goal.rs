@@ -67,9 +67,14 @@ impl Constraint for ArcGoal {
         }
         let Dynamics::Free(body) = problem.dynamics_of(self.arc);
         let gravity = problem.gravity(&at.point.parameters);
-        let flight = (&at.point.arcs[self.arc], at.epochs_s[self.arc]);
         let time_s = at.event_time_s(self.event);
-        let arrival = ArcEnd::new(body, &gravity, flight, time_s);
+        let arrival = ArcEnd::new(
+            body,
+            &gravity,
+            &at.point.arcs[self.arc],
+            at.epochs_s[self.arc],
+            time_s,
+        );
         block.reset(pattern);
         // Columns after the state: time, then gravity.
         let time = usize::from(problem.event_is_free[self.event]);
@@ -166,7 +171,7 @@ impl ArcGoal {
         let of = &problem.arcs[self.arc];
         let clock = timing::clock_at(problem, of, self.event);
         let time_s = at.event_time_s(self.event) + clock.map_or(0.0, |clock| parameters[clock]);
-        let arrival = Arrival::new(problem, at.point, (self.arc, at.epochs_s[self.arc]), time_s)?;
+        let arrival = Arrival::new(problem, at.point, self.arc, at.epochs_s[self.arc], time_s)?;
         let state = &arrival.end.state;
         block.reset(pattern);
         // Derivatives of the rows by the arriving state, and by the centre of mass in body axes.

@@ -24,7 +24,7 @@ impl Constraint for SampleOrder {
     fn fill(&self, at: &mut At, [(pattern, block), _]: [Filled; 2]) {
         let (problem, point) = (at.problem, at.point);
         let stamped_s = |of: &ArcSample| of.stamped_s(&point.node_times_s, &point.parameters);
-        let time_s = || problem.sample_time_s((self.arc, self.track), &self.sample, point);
+        let time_s = || problem.sample_time_s(self.arc, self.track, &self.sample, point);
         let value_s = match &self.beside {
             Beside::Next(next) => stamped_s(next) - stamped_s(&self.sample),
             Beside::Begin(event) => time_s() - point.event_times_s[*event],

@@ -49,7 +49,7 @@ pub struct Bin {
 }
 
 impl Bin {
-    fn of((track, kinds): (TrackIndex, [bool; 2])) -> Self {
+    fn of(track: TrackIndex, kinds: [bool; 2]) -> Self {
         Self {
             track,
             kinds,
@@ -87,16 +87,16 @@ impl Bins {
 
     /// The bins of some arcs alone, in order of time.
     pub fn of(problem: &Problem, point: &Point, arcs: &[usize]) -> Self {
-        Self::with(problem, point, (arcs, PER_FLIGHT))
+        Self::with(problem, point, arcs, PER_FLIGHT)
     }
 
     /// As many bins of one arc alone as there may be, in order of time.
     pub fn fine(problem: &Problem, point: &Point, arc: usize) -> Self {
-        Self::with(problem, point, (&[arc], MOST))
+        Self::with(problem, point, &[arc], MOST)
     }
 
     /// The bins of some arcs with so many per flight at most.
-    fn with(problem: &Problem, point: &Point, (arcs, most): (&[usize], usize)) -> Self {
+    fn with(problem: &Problem, point: &Point, arcs: &[usize], most: usize) -> Self {
         let views = arcs.iter().flat_map(|arc| &problem.arcs[*arc].views);
         let views: Vec<&View> = views.collect();
         let mut bins: Vec<Bin> = Vec::new();
@@ -118,7 +118,7 @@ impl Bins {
                             index * per_flight / count,
                         );
                         if last.replace(place) != Some(place) {
-                            bins.push(Bin::of(of));
+                            bins.push(Bin::of(of.0, of.1));
                         }
                         of_samples[next + index] = bins.len() - 1;
                         let bin = bins.last_mut().expect("one was begun");

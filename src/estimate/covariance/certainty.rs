@@ -53,12 +53,13 @@ impl<'a> Covariance<'a> {
     /// `residuals` are those of every sample, view by view, in units.
     pub fn new(
         context: &'a SolveContext<'a>,
-        (point, system): (&'a Point, &'a System),
+        point: &'a Point,
+        system: &'a System,
         multipliers: &[f64],
         residuals: &[Residuals],
     ) -> Option<Self> {
         let curved = curved(context, (point, system), multipliers);
-        let kkt = with_soft_bounds(context, (system, curved.as_ref()), multipliers)?;
+        let kkt = with_soft_bounds(context, system, curved.as_ref(), multipliers)?;
         let bins = Bins::new(context.problem, point);
         let mut covariance = Self {
             context,
@@ -241,7 +242,8 @@ fn curved(context: &SolveContext, at: (&Point, &System), multipliers: &[f64]) ->
 /// bound.
 fn with_soft_bounds(
     context: &SolveContext,
-    (system, curved): (&System, Option<&Envelope>),
+    system: &System,
+    curved: Option<&Envelope>,
     multipliers: &[f64],
 ) -> Option<Kkt> {
     let (_, information) = context.information();
@@ -264,9 +266,15 @@ fn with_soft_bounds(
     for node in context.layout.nodes.iter().flatten() {
         damping[*node] = 0.0;
     }
-    let weighed = (weights, violations);
-    let at = (system, curved);
-    Kkt::weighed(context.structure(), at, multipliers, weighed, damping)
+    Kkt::weighed(
+        context.structure(),
+        system,
+        curved,
+        multipliers,
+        weights,
+        violations,
+        damping,
+    )
 }
 
 /// `g + Jᵀν` without the rows that bound parameters and times.

@@ -107,7 +107,7 @@ impl Noise {
             let of_kind = [&of_positions, of_orientations][kind];
             let (cosines, spectra, per_sample) = of_kind;
             let columns = Columns::new(cosines, &columns, kind);
-            candidates(spectra, per_sample, &columns, (white[kind], squares[kind]))
+            candidates(spectra, per_sample, &columns, white[kind], squares[kind])
         });
         if positions.is_empty() || orientations.is_empty() {
             return Self::white_only(squares);
@@ -198,7 +198,8 @@ fn candidates(
     spectra: &[Vec<f64>],
     per_sample: &[f64],
     columns: &Columns,
-    (white, square): (f64, f64),
+    white: f64,
+    square: f64,
 ) -> Vec<Candidate> {
     // Keeps variances positive where there is no noise at all.
     let floor = 1e-9 * square + 1e-300;

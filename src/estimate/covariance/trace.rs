@@ -97,7 +97,7 @@ impl<'a> Design<'a> {
                 let (of, at) = ((index, view), (body, &gravity_m_s2));
                 let observer = Observer::new(problem, of, at, flight, &point.parameters);
                 let bins = own.map(|(_, bin)| *bin);
-                return ViewDesign::general((index, view), observer, bins, &point.node_times_s);
+                return ViewDesign::general(index, view, observer, bins, &point.node_times_s);
             }
             let [per_m, per_rad] = view.units.map(f64::recip);
             let mut spin = Spin::new(body, omega);
@@ -119,7 +119,7 @@ impl<'a> Design<'a> {
                     }
                 })
                 .collect();
-            ViewDesign::new((index, per_m), samples)
+            ViewDesign::new(index, per_m, samples)
         });
         Self {
             context,
@@ -245,7 +245,8 @@ impl ViewDesign {
     /// The derivative of a view that is not plain. Orientations are turned from the frame of its
     /// arc's epoch to the body's, unless they are whitened.
     fn general(
-        (arc, view): (usize, &View),
+        arc: usize,
+        view: &View,
         mut observer: Observer,
         bins: impl Iterator<Item = usize>,
         node_times_s: &[f64],
@@ -271,10 +272,10 @@ impl ViewDesign {
                 general: all.map(turned).collect(),
             }
         });
-        Self::new((arc, 0.0), samples.collect())
+        Self::new(arc, 0.0, samples.collect())
     }
 
-    fn new((arc, per_m): (usize, f64), samples: Vec<SampleDesign>) -> Self {
+    fn new(arc: usize, per_m: f64, samples: Vec<SampleDesign>) -> Self {
         let mut pieces: Vec<(usize, Piece)> = Vec::new();
         for sample in &samples {
             if pieces.last().is_none_or(|(bin, _)| *bin != sample.bin) {

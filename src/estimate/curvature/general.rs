@@ -93,17 +93,17 @@ impl<'a> General<'a> {
                 let unknowns = self.own.iter().zip(columns(of));
                 for ((other, column), slope) in unknowns.zip(own_slopes.iter()) {
                     let lacks = slope - dot(column, &of.by_time);
-                    self.add_entry((*at, *other), share * lacks, matrix);
+                    self.add_entry(*at, *other, share * lacks, matrix);
                 }
                 for (other, other_share) in nodes.iter().filter(|(other, _)| other <= at) {
-                    self.add_entry((*at, *other), share * other_share * by_time, matrix);
+                    self.add_entry(*at, *other, share * other_share * by_time, matrix);
                 }
             }
         }
         Some(())
     }
 
-    fn add_entry(&self, (i, j): (usize, usize), value: f64, matrix: &mut Envelope) {
+    fn add_entry(&self, i: usize, j: usize, value: f64, matrix: &mut Envelope) {
         let pattern = &self.context.layout.structure.pattern;
         matrix.add(pattern, i.max(j), i.min(j), value);
     }

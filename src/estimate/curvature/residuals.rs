@@ -136,10 +136,15 @@ impl Flight<'_> {
 
     fn turn_terms(&self, state: &State) -> TurnTerms {
         let epoch_s = self.context.epochs_s[self.arc];
-        let start = (&state.orientation, &state.angular_velocity_rad_s);
         let readings = self.view.samples.iter();
         let readings = readings.map(|s| (self.time_s(s) - epoch_s, &s.orientation));
-        TurnTerms::of(self.body, start, readings).weighed(self.turn_weight())
+        TurnTerms::of(
+            self.body,
+            &state.orientation,
+            &state.angular_velocity_rad_s,
+            readings,
+        )
+        .weighed(self.turn_weight())
     }
 
     fn turn_gradient(&self, state: &State) -> SVector<f64, 6> {
@@ -152,8 +157,13 @@ impl Flight<'_> {
     fn add_time(&self, sample: &ArcSample, sum: &mut Sum) {
         let (problem, layout) = (self.context.problem, self.context.layout);
         let gravity = problem.gravity(&self.point.parameters);
-        let flight = (&self.point.arcs[self.arc], self.context.epochs_s[self.arc]);
-        let then = ArcEnd::new(self.body, &gravity, flight, self.time_s(sample));
+        let then = ArcEnd::new(
+            self.body,
+            &gravity,
+            &self.point.arcs[self.arc],
+            self.context.epochs_s[self.arc],
+            self.time_s(sample),
+        );
         let pull = (then.state.position_m - sample.position_m) * self.view.units[0].powi(-2);
         let error = so3::log(&(sample.orientation.inverse() * then.state.orientation));
         let weight = self.turn_weight();

@@ -24,8 +24,13 @@ impl Solved {
     pub fn last_states(&self) -> Option<Vec<LastState>> {
         let (problem, point) = (&self.posed.problem, &self.solution.point);
         let context = self.posed.context(self.epochs_s.clone(), point);
-        let at = (point, &self.solution.system);
-        let covariance = Covariance::new(&context, at, &self.solution.multipliers, &self.errors)?;
+        let covariance = Covariance::new(
+            &context,
+            point,
+            &self.solution.system,
+            &self.solution.multipliers,
+            &self.errors,
+        )?;
         let arcs = problem.arcs.iter().enumerate();
         let is_last = |arc: usize, mechanism: MechanismIndex| {
             let mut later = problem.arcs[arc + 1..].iter();

@@ -12,7 +12,7 @@ use crate::estimate::pull::Pull;
 use crate::estimate::recipe::{self, Recipe, Solution};
 use crate::estimate::simulate::simulate;
 use crate::estimate::whitened::Whitened;
-use crate::motion::{Counters, End, MechanismIndex, Observer, Scene, Segment, Sketch};
+use crate::motion::{Counters, End, MechanismIndex, Observer, Performance};
 use crate::optimise::Program;
 
 /// Units of a state's parts.
@@ -38,13 +38,17 @@ impl Solved {
         let (problem, point) = (&self.posed.problem, &self.solution.point);
         let context = self.posed.context(self.epochs_s.clone(), point);
         let system = &self.solution.system;
-        let at = (point, system);
-        let covariance = Covariance::new(&context, at, &self.solution.multipliers, &self.errors)?;
+        let covariance = Covariance::new(
+            &context,
+            point,
+            system,
+            &self.solution.multipliers,
+            &self.errors,
+        )?;
         let of = |mechanism: &MechanismIndex| {
             let mut arcs = problem.arcs.iter();
             let arc = arcs.position(|arc| arc.mechanism == *mechanism)?;
-            let at = (&context, system, &covariance);
-            Whitened::new(at, arc, &point.arcs[arc])
+            Whitened::new(&context, system, &covariance, arc, &point.arcs[arc])
         };
         mechanisms.iter().map(of).collect()
     }
@@ -58,7 +62,7 @@ impl Solved {
     /// and sample times as they are. `None` where a collision would not happen.
     pub fn simulated(
         &self,
-        of: (&Scene, &Sketch, &[Segment]),
+        performance: Performance,
         flights: &[(&Whitened, DVector<f64>)],
     ) -> Option<Self> {
         let mut point = self.solution.point.clone();
@@ -66,14 +70,14 @@ impl Solved {
             point.arcs[flight.arc] = flight.state(z);
         }
         let point = simulate(&self.posed.problem, &self.epochs_s, point)?;
-        Some(self.with((of.0, of.1), point, self.estimate.counters))
+        Some(self.with(performance, point, self.estimate.counters))
     }
 
     /// The motion, simulated from this one's first flights, with sample times that fit it best; `None`
     /// where none are found.
     pub fn with_sample_times(
         &self,
-        of: (&Scene, &Sketch, &[Segment]),
+        performance: Performance,
         observer: &mut dyn Observer,
     ) -> Option<Self> {
         let mut problem = self.posed.problem.clone();
@@ -89,9 +93,15 @@ impl Solved {
                 Recipe::default().without_sweep(),
             ];
             let found = recipes.iter().find_map(|recipe| {
-                let from = (point.clone(), self.epochs_s.clone());
                 let layout = &self.posed.layout;
-                let solution = recipe::solve_from(&problem, layout, from, recipe, observer);
+                let solution = recipe::solve_from(
+                    &problem,
+                    layout,
+                    point.clone(),
+                    self.epochs_s.clone(),
+                    recipe,
+                    observer,
+                );
                 add(&mut counters, &solution.work, 0);
                 solution.finished.converged.then_some(solution)
             });
@@ -113,11 +123,11 @@ impl Solved {
         let held = &self.solution.point;
         point.event_times_s.clone_from(&held.event_times_s);
         point.parameters.clone_from(&held.parameters);
-        Some(self.with((of.0, of.1), point, counters))
+        Some(self.with(performance, point, counters))
     }
 
     /// The estimate of another point of the same problem, which need not be an optimum.
-    fn with(&self, (scene, sketch): (&Scene, &Sketch), point: Point, counters: Counters) -> Self {
+    fn with(&self, performance: Performance, point: Point, counters: Counters) -> Self {
         let posed = &self.posed;
         let context = posed.context(self.epochs_s.clone(), &point);
         let system = context.evaluated(&Guidance::none(), &point);
@@ -132,8 +142,14 @@ impl Solved {
             ..self.solution.clone()
         };
         let errors = outcome::errors(&posed.problem, &context, &solution.point);
-        let ended = (&solution, errors.as_slice());
-        let mut estimate = outcome::estimate(scene, sketch, &context, ended, counters);
+        let mut estimate = outcome::estimate(
+            performance.scene,
+            performance.sketch,
+            &context,
+            &solution,
+            &errors,
+            counters,
+        );
         if let End::Converged(progress) = estimate.reason.end {
             estimate.reason.end = End::Simulated(progress);
         }

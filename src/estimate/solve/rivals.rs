@@ -23,7 +23,8 @@ const SAME: f64 = 1e-3;
 pub(super) fn alike(
     problem: &Problem,
     layout: &Layout,
-    (found, guesses): (&[Solution], &[Guess]),
+    found: &[Solution],
+    guesses: &[Guess],
     lowest: usize,
 ) -> Vec<usize> {
     let least = &found[lowest];

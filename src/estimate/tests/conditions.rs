@@ -146,7 +146,7 @@ fn distance(scene: &Scene, (segments, guess): (&[Segment], &Guess), goal: &Goal)
                 .advance(&scene.gravity_m_s2, &arc.state, since_s),
         )
     };
-    let found = scene.condition_distance((goal, condition), &time_of, &state_of);
+    let found = scene.condition_distance(goal, condition, &time_of, &state_of);
     found.expect("a flight and a touch")
 }
 

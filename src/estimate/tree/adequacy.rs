@@ -72,7 +72,8 @@ struct Candidate {
 /// How well a solution explains its samples, and what in the scene may be wrong where it does not. Fails where samples
 /// are too few to tell, and where the observer stops it.
 pub(super) fn judge(
-    (scene, joined): (&Scene, &JointTree),
+    scene: &Scene,
+    joined: &JointTree,
     of: &Linearised,
     observer: &mut dyn Observer,
 ) -> Result<(Fit, Vec<Suspect>), FitUntold> {
@@ -84,21 +85,31 @@ pub(super) fn judge(
         held,
         ..
     } = of;
-    let at = (*problem, of.point);
     let candidates: Vec<Candidate> = candidates(scene, joined, problem)
         .into_iter()
         .filter_map(|quantity| {
             let step = STEP * quantity.typical();
-            let moved = (quantity, scene.value_of(quantity), step);
-            let change = change(scene, at, active, moved)?;
+            let change = change(
+                scene,
+                problem,
+                of.point,
+                active,
+                quantity,
+                scene.value_of(quantity),
+                step,
+            )?;
             let total = linear.total(held, &change);
             Some(Candidate { quantity, total })
         })
         .collect();
     let totals: Vec<DVector<f64>> = candidates.iter().map(|of| of.total.clone()).collect();
     let residuals = linear.of_samples();
-    let columns = (totals.as_slice(), &residuals);
-    let left = errors.left(&held.free, columns, problem.information.0);
+    let left = errors.left(
+        &held.free,
+        totals.as_slice(),
+        &residuals,
+        problem.information.0,
+    );
     let by_noise = by_noise(linear, errors, &left, held.free.ncols());
     let by_noise = by_noise.ok_or(FitUntold::FewSamples)?;
     let is_told = |at: usize, of: &Candidate| {
@@ -114,7 +125,7 @@ pub(super) fn judge(
     let mut scored: Vec<(Quantity, f64)> = told
         .iter()
         .map(|(at, of)| {
-            let wrong = odds::evidence_if_wrong(&left, *at, (of.quantity.typical(), 0.0));
+            let wrong = odds::evidence_if_wrong(&left, *at, of.quantity.typical(), 0.0);
             (of.quantity, wrong - evidence - price)
         })
         .filter(|(_, odds)| *odds > TRIED)
@@ -127,10 +138,10 @@ pub(super) fn judge(
         if observer.should_stop() {
             return Err(FitUntold::Stopped);
         }
-        let Some(tried) = tried(scene, at, active, quantity) else {
+        let Some(tried) = tried(scene, problem, of.point, active, quantity) else {
             continue;
         };
-        let wrong = evidence_at(scene, errors, (quantity, &tried), problem.information.0);
+        let wrong = evidence_at(scene, errors, quantity, &tried, problem.information.0);
         let odds = wrong - evidence - price;
         let explains =
             ((cost - 0.5 * tried.linear.of_samples().norm_squared()) / misfit).clamp(0.0, 1.0);
@@ -227,15 +238,16 @@ fn by_noise(linear: &Linear, errors: &Errors, left: &[Left], followed: usize) ->
 fn evidence_at(
     scene: &Scene,
     errors: &Errors,
-    (quantity, tried): (Quantity, &Tried),
+    quantity: Quantity,
+    tried: &Tried,
     information: f64,
 ) -> f64 {
     let held = tried.linear.held();
     let total = [tried.linear.total(&held, &tried.change)];
     let residuals = tried.linear.of_samples();
-    let left = errors.left(&held.free, (&total, &residuals), information);
+    let left = errors.left(&held.free, &total, &residuals, information);
     let off = tried.value - scene.value_of(quantity);
-    odds::evidence_if_wrong(&left, 0, (quantity.typical(), off))
+    odds::evidence_if_wrong(&left, 0, quantity.typical(), off)
 }
 
 /// Whether the motion is farther from its samples than bodies that rest at their mean places would be: no one quantity

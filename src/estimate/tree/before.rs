@@ -54,8 +54,14 @@ impl Before {
                 if let Some(tempo) = &mut paced.tempo {
                     tempo.guess = *pace;
                 }
-                let from = (&paced, start.clone());
-                let led = grown(from, (by, &mut Random::default()), &mut work, observer);
+                let led = grown(
+                    &paced,
+                    start.clone(),
+                    by,
+                    &mut Random::default(),
+                    &mut work,
+                    observer,
+                );
                 let program = TreeProgram::new(&led.problem, led.point.clone());
                 let cost = program.evaluated(&Part::whole(), &led.point).cost;
                 let is_less = least.as_ref().is_none_or(|(other, ..)| cost < *other);
@@ -70,7 +76,8 @@ impl Before {
         Self::of(least?, work)
     }
 
-    fn of((cost, problem, point): (f64, TreeProblem, TreePoint), work: Work) -> Option<Self> {
+    fn of(led: (f64, TreeProblem, TreePoint), work: Work) -> Option<Self> {
+        let (cost, problem, point) = led;
         let line = point.time_line(&problem);
         let [_, event_s] = line.physical_span_s();
         let state = problem.state_at(&point, problem.span_s[1]);
@@ -97,7 +104,7 @@ impl Before {
     /// The state of a link so long after the event \[s\], as if nothing touched there.
     pub fn state(&self, scene: &Scene, link: LinkIndex, after_s: f64) -> State {
         let line = self.point.time_line(&self.problem);
-        let mut course = Course::plain((&self.problem, &line), (&self.state, self.event_s));
+        let mut course = Course::plain(&self.problem, &line, &self.state, self.event_s);
         course.advance(Stop::known(self.event_s + after_s));
         let mut snapshot = ForestSnapshot::new(&self.problem.forest, &self.problem.gravity_m_s2);
         snapshot.set(&course.state());

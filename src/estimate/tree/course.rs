@@ -75,8 +75,10 @@ pub(super) struct Course<'t> {
 impl<'t> Course<'t> {
     /// From a node on, with derivatives where they are asked for.
     pub(super) fn new(
-        (problem, line): (&'t TreeProblem, &'t TimeLine<'t>),
-        (node, state): (usize, &TreeState),
+        problem: &'t TreeProblem,
+        line: &'t TimeLine<'t>,
+        node: usize,
+        state: &TreeState,
         has_derivatives: bool,
     ) -> Self {
         let width = problem.width();
@@ -85,34 +87,40 @@ impl<'t> Course<'t> {
             events: problem.events_of(node).len(),
             size: problem.leg_size(node),
             by_begin: DMatrix::zeros(width, width),
-            ..Self::begun((problem, line), (state, from), has_derivatives)
+            ..Self::begun(problem, line, state, from, has_derivatives)
         }
     }
 
     /// From a state on at a physical time \[s\], with derivatives by that state alone.
     pub(super) fn of_state(
-        on: (&'t TreeProblem, &'t TimeLine<'t>),
-        (state, from_s): (&TreeState, f64),
+        problem: &'t TreeProblem,
+        line: &'t TimeLine<'t>,
+        state: &TreeState,
+        from_s: f64,
     ) -> Self {
-        let width = on.0.width();
+        let width = problem.width();
         Self {
             size: width,
             by_begin: DMatrix::zeros(width, width),
-            ..Self::begun(on, (state, Stop::known(from_s)), true)
+            ..Self::begun(problem, line, state, Stop::known(from_s), true)
         }
     }
 
     /// From a state on at a physical time \[s\], without derivatives.
     pub(super) fn plain(
-        on: (&'t TreeProblem, &'t TimeLine<'t>),
-        (state, from_s): (&TreeState, f64),
+        problem: &'t TreeProblem,
+        line: &'t TimeLine<'t>,
+        state: &TreeState,
+        from_s: f64,
     ) -> Self {
-        Self::begun(on, (state, Stop::known(from_s)), false)
+        Self::begun(problem, line, state, Stop::known(from_s), false)
     }
 
     fn begun(
-        (problem, line): (&'t TreeProblem, &'t TimeLine<'t>),
-        (state, from): (&TreeState, Stop),
+        problem: &'t TreeProblem,
+        line: &'t TimeLine<'t>,
+        state: &TreeState,
+        from: Stop,
         has_derivatives: bool,
     ) -> Self {
         let mut flow = ForestFlow::new(
@@ -203,7 +211,8 @@ impl<'t> Course<'t> {
     pub(super) fn hit(
         &mut self,
         snapshot: &ForestSnapshot,
-        (touch, free): (&TreeTouch, &FreeLaw),
+        touch: &TreeTouch,
+        free: &FreeLaw,
     ) -> Result<(TreeImpact, TreeImpactDerivative), ImpactError> {
         let state = self.flow.state();
         let (impact, derivative) = snapshot.impact_derivative(&state, &touch.at, &touch.law)?;
@@ -229,7 +238,7 @@ impl<'t> Course<'t> {
         snapshot.set(&state);
         if self.has_derivatives {
             let fixed = FreeLaw::default();
-            return self.hit(&snapshot, (touch, &fixed)).map(|_| ());
+            return self.hit(&snapshot, touch, &fixed).map(|_| ());
         }
         let impact = snapshot.impact(&state, &touch.at, &touch.law)?;
         self.go_on(state, &impact);

@@ -36,12 +36,13 @@ pub(super) struct Lacking {
 impl Lacking {
     /// Tells it of a program along free directions, a column each, orthonormal.
     pub(super) fn along<P: Program<Point = TreePoint>>(
-        of: (&P, &P::Guidance),
+        program: &P,
+        guidance: &P::Guidance,
         free: &DMatrix<f64>,
         point: &TreePoint,
         multipliers: &[f64],
     ) -> Self {
-        let lacking = changes(of, free, point, multipliers);
+        let lacking = changes(program, guidance, free, point, multipliers);
         let across = &lacking * free.transpose();
         let along = free * free.tr_mul(&lacking) * free.transpose();
         Self {
@@ -54,7 +55,8 @@ impl Lacking {
     /// Tells of it, where there are several legs, all that couples unknowns of the same one: one difference tells a column
     /// of every other leg.
     pub(super) fn on_legs<P: Program<Point = TreePoint>>(
-        of: (&P, &P::Guidance),
+        program: &P,
+        guidance: &P::Guidance,
         problem: &TreeProblem,
         point: &TreePoint,
         multipliers: &[f64],
@@ -72,7 +74,7 @@ impl Lacking {
             for (at, unknown) in moved().flat_map(|node| unknowns(node).enumerate()) {
                 each[(unknown, at)] = 1.0;
             }
-            let lacking = changes(of, &each, point, multipliers);
+            let lacking = changes(program, guidance, &each, point, multipliers);
             for node in moved() {
                 for (at, column) in unknowns(node).enumerate() {
                     for row in unknowns(node) {
@@ -99,7 +101,8 @@ impl Lacking {
     /// Whether it serves at another point of the program with other multipliers.
     pub(super) fn serves<P: Program<Point = TreePoint>>(
         &self,
-        (program, problem): (&P, &TreeProblem),
+        program: &P,
+        problem: &TreeProblem,
         point: &TreePoint,
         multipliers: &[f64],
     ) -> bool {
@@ -126,7 +129,8 @@ impl Lacking {
 
 /// How the Lagrangian's gradient changes along directions, a column each, beyond what the program's Hessian says.
 fn changes<P: Program<Point = TreePoint>>(
-    (program, guidance): (&P, &P::Guidance),
+    program: &P,
+    guidance: &P::Guidance,
     directions: &DMatrix<f64>,
     point: &TreePoint,
     multipliers: &[f64],

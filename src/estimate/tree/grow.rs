@@ -77,8 +77,10 @@ pub(super) struct Grown {
 
 /// Lets the part that counts grow from a state at the start to the whole.
 pub(super) fn grown(
-    (problem, start): (&TreeProblem, TreeState),
-    (growth, random): (Growth, &mut Random),
+    problem: &TreeProblem,
+    start: TreeState,
+    growth: Growth,
+    random: &mut Random,
     work: &mut Work,
     observer: &mut dyn Observer,
 ) -> Grown {
@@ -92,15 +94,18 @@ pub(super) fn grown(
     let (mut share, mut is_lost) = (1.0, false);
     while let Some(part_s) = parts_s.peek().copied() {
         let until_s = match is_followed {
-            true => problem.followed_s(&point, (reached_s, part_s), share),
+            true => problem.followed_s(&point, reached_s, part_s, share),
             false => part_s,
         };
         let (mut further, fitted) = (problem.clone(), point.clone());
         let (fitted, cost) = fit(
-            (&mut further, fitted),
+            &mut further,
+            fitted,
             until_s,
-            (growth.kick_rad_s, &mut *random),
-            (work, &mut *observer),
+            growth.kick_rad_s,
+            &mut *random,
+            work,
+            &mut *observer,
         );
         let count = problem.count_until(until_s);
         let each = cost / count as f64;
@@ -141,10 +146,13 @@ pub(super) fn grown(
 
 /// Fits the part until a time \[s\]: where that leads, and what it costs.
 fn fit(
-    (problem, mut point): (&mut TreeProblem, TreePoint),
+    problem: &mut TreeProblem,
+    mut point: TreePoint,
     until_s: f64,
-    (kick_rad_s, random): (f64, &mut Random),
-    (work, observer): (&mut Work, &mut dyn Observer),
+    kick_rad_s: f64,
+    random: &mut Random,
+    work: &mut Work,
+    observer: &mut dyn Observer,
 ) -> (TreePoint, f64) {
     problem.step_s = problem.step_for(&point, until_s, ROUGHLY);
     let first = problem.events.first();

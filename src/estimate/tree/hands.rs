@@ -11,7 +11,9 @@ pub(super) fn hands(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<Hel
         let motion = of.held.as_ref()?;
         let of_scene = &scene.tracks[track];
         let (mut knots, times) = in_time(
-            (track, of, motion),
+            track,
+            of,
+            motion,
             &of_scene.link_from_tracker,
             &Pace::STAMPS,
         );

@@ -38,7 +38,8 @@ impl TreeProgram<'_> {
     /// after it are not told.
     pub(super) fn leg(
         &self,
-        (node, has_derivatives): (usize, bool),
+        node: usize,
+        has_derivatives: bool,
         part: &Part,
         point: &TreePoint,
         blocks: &mut [Block],
@@ -48,8 +49,7 @@ impl TreeProgram<'_> {
         let first_event = problem.events_of(node).start;
         let (width, size) = (problem.width(), problem.leg_size(node));
         let line = &point.time_line(problem);
-        let from = (node, &point.nodes[node]);
-        let mut course = Course::new((problem, line), from, has_derivatives);
+        let mut course = Course::new(problem, line, node, &point.nodes[node], has_derivatives);
         let mut snapshot = ForestSnapshot::new(&problem.forest, &problem.gravity_m_s2);
         let mut jacobian = DMatrix::zeros(width, size);
         let mut links: Vec<Option<LinkState>> = vec![None; problem.forest.link_count()];
@@ -88,7 +88,7 @@ impl TreeProgram<'_> {
                         quantity::valued(&sample.quantity, state, None, &sample.point_m)
                     };
                     let residual = if has_derivatives {
-                        let [link] = states([sample.place], (&snapshot, &mut links), width);
+                        let [link] = states([sample.place], &snapshot, &mut links, width);
                         let valued = valued(&link.0);
                         let by = chained(&valued, &[link], &jacobian);
                         Residual::new(sample, &valued, &by)
@@ -101,36 +101,41 @@ impl TreeProgram<'_> {
                 }
                 Kind::Goal(index, goal) => {
                     let state = course.state();
-                    let at = (&state, item.event);
-                    let (value, by) = self.asked(goal, at, (&snapshot, &mut links), &jacobian);
+                    let (value, by) =
+                        self.asked(goal, &state, item.event, &snapshot, &mut links, &jacobian);
                     let (pattern, block) = self.room(index, blocks);
                     for (row, of) in goal.rows(&value).iter().enumerate() {
                         match goal.condition.sd {
                             Some(sd) => sums.wish(of, &by, sd),
-                            None => rows::put(goal, row, of, &by, (pattern, &mut *block)),
+                            None => rows::put(goal, row, of, &by, pattern, &mut *block),
                         }
                     }
                 }
                 Kind::Event(index, event) => {
                     let (pattern, block) = self.room(problem.event_block(index), blocks);
-                    let times = (line, point.event_times_s.as_slice());
-                    rows::order(problem, (index, times), (pattern, &mut *block));
+                    rows::order(problem, index, line, &point.event_times_s, pattern, block);
                     let Some(touch) = event.touch_at(point) else {
                         continue;
                     };
-                    let law = (&touch, &event.free);
-                    let Ok((impact, derivative)) = course.hit(&snapshot, law) else {
+                    let Ok((impact, derivative)) = course.hit(&snapshot, &touch, &event.free)
+                    else {
                         sums.cost = f64::NAN;
                         return sums;
                     };
-                    let (hit, count) = ((&impact, &derivative), event.touch_row_count());
-                    rows::touch(hit, count, &jacobian, (pattern, block));
+                    let count = event.touch_row_count();
+                    rows::touch(&impact, &derivative, count, &jacobian, pattern, block);
                     reached = None;
                 }
                 Kind::Next(node) => {
-                    let ends = (&course.state(), &point.nodes[node + 1]);
-                    let room = self.room(problem.join_block(node), blocks);
-                    rows::join(problem, ends, &jacobian, room);
+                    let (pattern, block) = self.room(problem.join_block(node), blocks);
+                    rows::join(
+                        problem,
+                        &course.state(),
+                        &point.nodes[node + 1],
+                        &jacobian,
+                        pattern,
+                        block,
+                    );
                 }
             }
         }
@@ -210,8 +215,10 @@ impl TreeProgram<'_> {
     fn asked(
         &self,
         goal: &TreeGoal,
-        (state, event): (&TreeState, Option<usize>),
-        (snapshot, links): (&ForestSnapshot, &mut [Option<LinkState>]),
+        state: &TreeState,
+        event: Option<usize>,
+        snapshot: &ForestSnapshot,
+        links: &mut [Option<LinkState>],
         jacobian: &DMatrix<f64>,
     ) -> (Vector3<f64>, Matrix3xX<f64>) {
         let width = self.problem.width();
@@ -228,7 +235,7 @@ impl TreeProgram<'_> {
             }
             return (value, by);
         }
-        let [own, other] = states(goal.places, (snapshot, links), width);
+        let [own, other] = states(goal.places, snapshot, links, width);
         let other_state = quantity.seen_from().map(|_| &other.0);
         let valued = quantity::valued(quantity, &own.0, other_state, &goal.point_m);
         let mut by = chained(&valued, &[own, other], jacobian);
@@ -276,7 +283,8 @@ impl Kind<'_> {
 /// States of links with their derivatives by the state of all, each computed once per time.
 fn states<'l, const N: usize>(
     places: [usize; N],
-    (snapshot, links): (&ForestSnapshot, &'l mut [Option<LinkState>]),
+    snapshot: &ForestSnapshot,
+    links: &'l mut [Option<LinkState>],
     width: usize,
 ) -> [&'l LinkState; N] {
     for place in places {

@@ -20,7 +20,8 @@ pub(super) struct Motions {
 
 /// The motions that states of all say, with events at these times.
 pub(super) fn motions(
-    (problem, line): (&TreeProblem, &TimeLine),
+    problem: &TreeProblem,
+    line: &TimeLine,
     scene: &Scene,
     knots: &[TreeKnot],
     events: &[EventEstimate],
@@ -29,7 +30,7 @@ pub(super) fn motions(
     for (index, (mechanism, of)) in scene.moving().enumerate() {
         match of {
             Mechanism::Free(_) => {
-                let arcs = arcs((problem, line), (scene, mechanism), knots, events);
+                let arcs = arcs(problem, line, scene, mechanism, knots, events);
                 motions.arcs.extend(arcs);
             }
             Mechanism::Tree(_) => motions.trees.push(TreeEstimate {
@@ -41,7 +42,7 @@ pub(super) fn motions(
             }),
         }
     }
-    for sum in sums((problem, line), scene, knots, &motions.arcs) {
+    for sum in sums(problem, line, scene, knots, &motions.arcs) {
         let ([position, turn], track) = (sum.kinds, sum.track);
         let samples = position.0.max(turn.0);
         let rms =
@@ -85,8 +86,10 @@ fn own_knots(problem: &TreeProblem, index: usize, knots: &[TreeKnot]) -> Vec<Tre
 
 /// The flights of a body by itself, from collision to collision.
 fn arcs(
-    (problem, line): (&TreeProblem, &TimeLine),
-    (scene, mechanism): (&Scene, MechanismIndex),
+    problem: &TreeProblem,
+    line: &TimeLine,
+    scene: &Scene,
+    mechanism: MechanismIndex,
     knots: &[TreeKnot],
     events: &[EventEstimate],
 ) -> Vec<ArcEstimate> {
@@ -123,7 +126,8 @@ struct Sum {
 }
 
 fn sums(
-    (problem, line): (&TreeProblem, &TimeLine),
+    problem: &TreeProblem,
+    line: &TimeLine,
     scene: &Scene,
     knots: &[TreeKnot],
     arcs: &[ArcEstimate],

@@ -27,8 +27,10 @@ pub fn solve_on_nodes(problem: &TreeProblem, start: Start, observer: &mut dyn Ob
     let mut work = Work::default();
     let led = match start {
         Start::Grown(state) => grown(
-            (problem, state),
-            (GROWTH, &mut Random::default()),
+            problem,
+            state,
+            GROWTH,
+            &mut Random::default(),
             &mut work,
             observer,
         ),

@@ -34,8 +34,10 @@ pub enum Told {
 
 /// A solved problem as the estimate of its scene with joined bodies.
 pub fn estimate(
-    (scene, sketch): (&Scene, &Sketch),
-    (solved, told): (&Solved, Told),
+    scene: &Scene,
+    sketch: &Sketch,
+    solved: &Solved,
+    told: Told,
     observer: &mut dyn Observer,
 ) -> Estimate {
     let (problem, solution) = (&solved.problem, &solved.solution);
@@ -79,7 +81,7 @@ pub fn estimate(
         .flatten();
     let judged = judged.and_then(|joined| {
         let of = linearised.as_ref().ok_or(FitUntold::FewSamples)?;
-        adequacy::judge((scene, joined), of, observer)
+        adequacy::judge(scene, joined, of, observer)
     });
     let (fit, suspects) = match judged {
         Ok((fit, suspects)) => (Ok(fit), suspects),
@@ -87,12 +89,11 @@ pub fn estimate(
     };
     let certainty = linearised.filter(|_| is_asked).and_then(Certainty::new);
     let sd_of = |moment: Vec<(usize, f64)>| certainty.as_ref()?.sd(&moment);
-    let events =
-        (0..scene.events.len()).map(|event| of_event((solved, line), &sd_of, sketch, event));
+    let events = (0..scene.events.len()).map(|event| of_event(solved, line, &sd_of, sketch, event));
     let events: Vec<EventEstimate> = events.collect();
     let motions = match knots.is_empty() {
         true => Motions::default(),
-        false => motions((problem, line), scene, &knots, &events),
+        false => motions(problem, line, scene, &knots, &events),
     };
     let [from_s, to_s] = line.physical_span_s();
     let mut sample_times: Vec<SampleTime> = Vec::new();
@@ -124,7 +125,8 @@ pub fn estimate(
     let parameters = problem.parameters.iter().zip(&solution.point.parameters);
     let parameters = parameters.enumerate().map(|(index, (free, value))| {
         let at_bound = at_bound(
-            (&problem.parameters, &problem.cones),
+            &problem.parameters,
+            &problem.cones,
             &solution.point.parameters,
             index,
         );
@@ -183,7 +185,8 @@ pub fn evidence(solved: &Solved) -> Option<f64> {
 
 /// An event of the scene as estimated.
 fn of_event(
-    (solved, line): (&Solved, &TimeLine),
+    solved: &Solved,
+    line: &TimeLine,
     sd_of: &dyn Fn(Vec<(usize, f64)>) -> Option<f64>,
     sketch: &Sketch,
     event: usize,

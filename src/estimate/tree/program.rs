@@ -108,7 +108,8 @@ impl<'a> TreeProgram<'a> {
     /// not asked for, those of samples have no columns, and those of rows are zero.
     pub(super) fn evaluate_each(
         &self,
-        (part, point): (&Part, &TreePoint),
+        part: &Part,
+        point: &TreePoint,
         has_derivatives: bool,
         system: &mut System,
         each: &mut dyn FnMut(usize, &Residual),
@@ -119,8 +120,7 @@ impl<'a> TreeProgram<'a> {
         system.hessian.clear();
         for node in 0..problem.nodes_s.len() {
             let each = &mut |residual: &Residual| each(node, residual);
-            let of = (node, has_derivatives);
-            let sums = self.leg(of, part, point, &mut system.blocks, each);
+            let sums = self.leg(node, has_derivatives, part, point, &mut system.blocks, each);
             system.cost += sums.cost;
             let place = |at: usize| problem.unknown_of(node, at);
             for row in (0..sums.gradient.len()).take_while(|_| has_derivatives) {
@@ -201,11 +201,11 @@ impl<'a> TreeProgram<'a> {
             match event.mark_s {
                 Some([mark_s, sd_s]) => {
                     let (acted_s, by) = line.acted_by(problem, index, *time_s);
-                    self.pull((acted_s - mark_s, &by), sd_s.powi(-2), system);
+                    self.pull(acted_s - mark_s, &by, sd_s.powi(-2), system);
                 }
                 None => {
                     let off_s = time_s - self.calm.event_times_s[index];
-                    self.pull((off_s, &[(row, 1.0)]), CALM * problem.information.0, system);
+                    self.pull(off_s, &[(row, 1.0)], CALM * problem.information.0, system);
                 }
             }
         }
@@ -220,7 +220,7 @@ impl<'a> TreeProgram<'a> {
                     (value - self.calm.parameters[index], weight)
                 }
             };
-            self.pull((off, &by), weight, system);
+            self.pull(off, &by, weight, system);
         }
     }
 
@@ -235,7 +235,7 @@ impl<'a> TreeProgram<'a> {
         for (piece, pair) in paces.windows(2).enumerate() {
             let by = [(unknown(piece), -1.0), (unknown(piece + 1), 1.0)];
             let weight = tempo.change_sd(piece).powi(-2);
-            self.pull((pair[1] - pair[0], &by), weight, system);
+            self.pull(pair[1] - pair[0], &by, weight, system);
         }
         let first = [(unknown(0), 1.0)];
         let (off, weight) = match part.log_pace_sd {
@@ -245,11 +245,11 @@ impl<'a> TreeProgram<'a> {
                 CALM * problem.information.0,
             ),
         };
-        self.pull((off, &first), weight, system);
+        self.pull(off, &first, weight, system);
     }
 
     /// Half the square of what is so far off, with its derivatives by unknowns, times a weight.
-    fn pull(&self, (off, by): (f64, &[(usize, f64)]), weight: f64, system: &mut System) {
+    fn pull(&self, off: f64, by: &[(usize, f64)], weight: f64, system: &mut System) {
         system.cost += 0.5 * weight * off * off;
         for (row, by_row) in by {
             system.gradient[*row] += weight * off * by_row;
@@ -272,11 +272,11 @@ impl Program for TreeProgram<'_> {
     }
 
     fn evaluate(&self, part: &Part, point: &TreePoint, system: &mut System) {
-        self.evaluate_each((part, point), true, system, &mut |_, _| {});
+        self.evaluate_each(part, point, true, system, &mut |_, _| {});
     }
 
     fn try_out(&self, part: &Part, point: &TreePoint, system: &mut System) {
-        self.evaluate_each((part, point), false, system, &mut |_, _| {});
+        self.evaluate_each(part, point, false, system, &mut |_, _| {});
     }
 
     fn differentiate(&self, part: &Part, point: &TreePoint, system: &mut System) {
@@ -321,15 +321,18 @@ impl Program for TreeProgram<'_> {
         let problem = self.problem;
         let mut told = self.told.borrow_mut();
         let kept = told.take();
-        let kept = kept.filter(|kept| kept.serves((self, problem), point, multipliers));
+        let kept = kept.filter(|kept| kept.serves(self, problem, point, multipliers));
         let kept = kept.unwrap_or_else(|| {
             let pace = problem.tempo.as_ref().map_or(1.0, |of| of.guess);
             let coarse = problem.coarse(CURVATURE_S / pace);
             let coarse = TreeProgram::new(&coarse, self.calm.clone());
-            let of = (&coarse, &Part::whole());
+            let whole = Part::whole();
             match problem.nodes_s.len() {
-                1 => Lacking::along(of, &self.free_directions(system), point, multipliers),
-                _ => Lacking::on_legs(of, problem, point, multipliers),
+                1 => {
+                    let free = self.free_directions(system);
+                    Lacking::along(&coarse, &whole, &free, point, multipliers)
+                }
+                _ => Lacking::on_legs(&coarse, &whole, problem, point, multipliers),
             }
         });
         told.insert(kept)

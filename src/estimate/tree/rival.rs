@@ -40,8 +40,10 @@ pub fn rival(
 ) -> Led {
     let mut work = Work::default();
     let times = |share: f64| best.map_or(f64::INFINITY, |best| share * best.cost());
-    let of = ((problem, starts), (GROWTHS[0], &mut Random::default()));
-    let mut ways = likeliest(of.0, of.1, &mut None, &mut work, observer);
+    let random = &mut Random::default();
+    let mut ways = likeliest(
+        problem, starts, GROWTHS[0], random, &mut None, &mut work, observer,
+    );
     let (mut is_worse, mut is_lost) = (false, false);
     let mut warm = best;
     loop {

@@ -28,7 +28,8 @@ pub(super) fn put(
     row: usize,
     of: &WithinRow,
     by: &Matrix3xX<f64>,
-    (pattern, block): (&BlockPattern, &mut Block),
+    pattern: &BlockPattern,
+    block: &mut Block,
 ) {
     let unit = goal.unit();
     block.values[row] = of.value / unit;
@@ -49,10 +50,12 @@ pub(super) fn silence(pattern: &BlockPattern, block: &mut Block) {
 
 /// Approach of an impact's contacts, and their gaps where those have rows: they come nearer, and touch.
 pub(super) fn touch(
-    (impact, derivative): (&TreeImpact, &TreeImpactDerivative),
+    impact: &TreeImpact,
+    derivative: &TreeImpactDerivative,
     count: usize,
     jacobian: &DMatrix<f64>,
-    (pattern, block): (&BlockPattern, &mut Block),
+    pattern: &BlockPattern,
+    block: &mut Block,
 ) {
     let speeds = impact.speeds_m_s.iter().zip(&derivative.speeds);
     let speeds = speeds.map(|(value, by)| (value, by, unit::VELOCITY_M_S));
@@ -82,8 +85,11 @@ pub(super) fn order_unknowns(problem: &TreeProblem, event: usize) -> Vec<Vec<usi
 /// Order of events: each is after the one before it, the last before the end. These rows end the event's block.
 pub(super) fn order(
     problem: &TreeProblem,
-    (event, (line, times_s)): (usize, (&TimeLine, &[f64])),
-    (pattern, block): (&BlockPattern, &mut Block),
+    event: usize,
+    line: &TimeLine,
+    times_s: &[f64],
+    pattern: &BlockPattern,
+    block: &mut Block,
 ) {
     let here_s = times_s[event];
     let mut row = problem.events[event].touch_row_count();
@@ -111,9 +117,11 @@ pub(super) fn order(
 /// `x(t) ⊟ x_next`, with its derivatives by the leg's unknowns and by the next node.
 pub(super) fn join(
     problem: &TreeProblem,
-    (reached, next): (&TreeState, &TreeState),
+    reached: &TreeState,
+    next: &TreeState,
     jacobian: &DMatrix<f64>,
-    (pattern, block): (&BlockPattern, &mut Block),
+    pattern: &BlockPattern,
+    block: &mut Block,
 ) {
     let (forest, width) = (&problem.forest, problem.width());
     let off = forest.minus(reached, next);

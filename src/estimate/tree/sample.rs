@@ -73,7 +73,8 @@ pub(super) fn samples(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<T
             samples.extend(parts(
                 &begun,
                 &sample.seen,
-                (track.sees, track.point_m()),
+                track.sees,
+                track.point_m(),
                 weights.orientation_rad,
             ));
         }
@@ -86,7 +87,8 @@ pub(super) fn samples(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<T
 fn parts(
     begun: &TreeSample,
     seen: &Seen,
-    (sees, point_m): (Sees, Vector3<f64>),
+    sees: Sees,
+    point_m: Vector3<f64>,
     orientation_rad: f64,
 ) -> Vec<TreeSample> {
     let placed = |at_m: Vector3<f64>, point_m: Vector3<f64>| TreeSample {

@@ -30,12 +30,7 @@ const LEAST_ON_A_LEG: usize = 12;
 impl TreeProblem {
     /// The last sample's stamp, not after `to_s`, to which the motion is followed from `from_s` before errors grow too
     /// much \[s\]; a share of the samples on that way.
-    pub(super) fn followed_s(
-        &self,
-        point: &TreePoint,
-        (from_s, to_s): (f64, f64),
-        share: f64,
-    ) -> f64 {
+    pub(super) fn followed_s(&self, point: &TreePoint, from_s: f64, to_s: f64, share: f64) -> f64 {
         let between = |time_s: &f64| (from_s..to_s).contains(time_s);
         let times_s: Vec<f64> = self.sample_stamps_s().into_iter().filter(between).collect();
         if times_s.len() <= LEAST_FURTHER {
@@ -43,7 +38,7 @@ impl TreeProblem {
         }
         let state = self.state_at(point, from_s);
         let line = &point.time_line(self);
-        let mut errors = Errors::new((self, line), point, (&state, line.time_s(from_s)));
+        let mut errors = Errors::new(self, line, point, &state, line.time_s(from_s));
         let too_far = times_s
             .iter()
             .position(|time_s| errors.grown(line.time_s(*time_s)) > FURTHER);
@@ -86,7 +81,7 @@ impl TreeProblem {
         let after = |time_s: &f64| *time_s > from_s && *time_s <= until_s;
         let times_s: Vec<f64> = self.sample_stamps_s().into_iter().filter(after).collect();
         let line = &point.time_line(self);
-        let mut errors = Errors::new((self, line), point, (from, line.time_s(from_s)));
+        let mut errors = Errors::new(self, line, point, from, line.time_s(from_s));
         let at = times_s
             .iter()
             .position(|time_s| errors.grown(line.time_s(*time_s)) > ON_A_LEG)?;
@@ -97,7 +92,7 @@ impl TreeProblem {
     pub(super) fn errors_grown(&self, point: &TreePoint) -> f64 {
         let line = &point.time_line(self);
         let [from_s, to_s] = line.physical_span_s();
-        let mut errors = Errors::new((self, line), point, (&point.nodes[0], from_s));
+        let mut errors = Errors::new(self, line, point, &point.nodes[0], from_s);
         errors.grown(to_s)
     }
 
@@ -112,9 +107,9 @@ impl TreeProblem {
     pub(super) fn state_at(&self, point: &TreePoint, time_s: f64) -> TreeState {
         let node = self.node_of(time_s);
         let line = &point.time_line(self);
-        let way_s = (line.time_s(self.nodes_s[node]), line.time_s(time_s));
-        let mut course = Course::plain((self, line), (&point.nodes[node], way_s.0));
-        self.follow(point, way_s, &mut course);
+        let [from_s, to_s] = [self.nodes_s[node], time_s].map(|of| line.time_s(of));
+        let mut course = Course::plain(self, line, &point.nodes[node], from_s);
+        self.follow(point, from_s, to_s, &mut course);
         course.state()
     }
 }
@@ -129,22 +124,24 @@ struct Errors<'p> {
 
 impl<'p> Errors<'p> {
     fn new(
-        on: (&'p TreeProblem, &'p TimeLine<'p>),
+        problem: &'p TreeProblem,
+        line: &'p TimeLine<'p>,
         point: &'p TreePoint,
-        from: (&TreeState, f64),
+        state: &TreeState,
+        from_s: f64,
     ) -> Self {
         Self {
-            problem: on.0,
+            problem,
             point,
-            course: Course::of_state(on, from),
-            now_s: from.1,
+            course: Course::of_state(problem, line, state, from_s),
+            now_s: from_s,
         }
     }
 
     /// By how much they have grown at a later physical time \[s\]; no number where the motion is none.
     fn grown(&mut self, time_s: f64) -> f64 {
-        let way_s = (self.now_s, time_s);
-        self.problem.follow(self.point, way_s, &mut self.course);
+        self.problem
+            .follow(self.point, self.now_s, time_s, &mut self.course);
         self.now_s = time_s;
         let jacobian = self.course.jacobian();
         let freedoms = self.problem.forest.freedoms();

@@ -59,8 +59,16 @@ pub fn solve(
     };
     let mut random = Random::default();
     for growth in GROWTHS.iter().filter(is_tried) {
-        let (of, growth) = ((problem, starts), (*growth, &mut random));
-        for (problem, point) in likeliest(of, growth, &mut lost, &mut work, observer) {
+        let ways = likeliest(
+            problem,
+            starts,
+            *growth,
+            &mut random,
+            &mut lost,
+            &mut work,
+            observer,
+        );
+        for (problem, point) in ways {
             let at_once = Schedule::default().from_the_last();
             let solved = finished(&problem, &point, &at_once, &mut work, observer);
             if !solved.has_ended() {
@@ -98,8 +106,10 @@ pub fn solve(
 /// Where growing leads from each pace, until two lead to the same: the likeliest, in order. None where stamps are physical times
 /// and the motion is lost.
 pub(super) fn likeliest(
-    (problem, starts): (&TreeProblem, &[(f64, TreeState)]),
-    (growth, random): (Growth, &mut Random),
+    problem: &TreeProblem,
+    starts: &[(f64, TreeState)],
+    growth: Growth,
+    random: &mut Random,
     lost: &mut Option<Grown>,
     work: &mut Work,
     observer: &mut dyn Observer,
@@ -111,12 +121,7 @@ pub(super) fn likeliest(
             tempo.guess = *pace;
         }
         observer.phase(Phase::ArcFits);
-        let led = grown(
-            (&paced, start.clone()),
-            (growth, &mut *random),
-            work,
-            observer,
-        );
+        let led = grown(&paced, start.clone(), growth, &mut *random, work, observer);
         if led.is_lost && problem.tempo.is_none() {
             lost.get_or_insert(led);
             continue;

@@ -443,8 +443,8 @@ fn a_motion_is_cut_where_errors_grow() {
         }
         // Followed as far as errors let it, by a share of that, and on to the end.
         let from_s = 0.2;
-        let all_s = problem.followed_s(&point, (from_s, whole_s), 1.0);
-        let half_s = problem.followed_s(&point, (from_s, whole_s), 0.5);
+        let all_s = problem.followed_s(&point, from_s, whole_s, 1.0);
+        let half_s = problem.followed_s(&point, from_s, whole_s, 0.5);
         assert!(from_s < half_s && half_s < all_s && all_s <= whole_s);
         assert_eq!(all_s == whole_s, !is_cut);
     }
@@ -463,9 +463,15 @@ fn curvature_of_legs_is_that_along_all_unknowns() {
     let rows = program.evaluated(&Part::whole(), &point).row_count();
     let multipliers: Vec<f64> = (0..rows).map(|row| (row as f64).sin()).collect();
     let size = problem.unknown_count();
-    let of = (&program, &Part::whole());
-    let all = Lacking::along(of, &DMatrix::identity(size, size), &point, &multipliers);
-    let legs = Lacking::on_legs(of, &problem, &point, &multipliers);
+    let whole = Part::whole();
+    let all = Lacking::along(
+        &program,
+        &whole,
+        &DMatrix::identity(size, size),
+        &point,
+        &multipliers,
+    );
+    let legs = Lacking::on_legs(&program, &whole, &problem, &point, &multipliers);
     let width = problem.width();
     let largest = all.matrix().amax();
     for (row, column) in (0..size).flat_map(|row| (0..size).map(move |column| (row, column))) {

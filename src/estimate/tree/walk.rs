@@ -31,7 +31,7 @@ impl TreeProblem {
         let line = &point.time_line(self);
         for (node, state) in point.nodes.iter().enumerate() {
             let [from_s, to_s] = self.leg_s(node).map(|end_s| line.time_s(end_s));
-            let mut course = Course::plain((self, line), (state, from_s));
+            let mut course = Course::plain(self, line, state, from_s);
             let mut knot = |time_s: f64, state: TreeState| knots.push(TreeKnot { time_s, state });
             knot(from_s, state.clone());
             let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.acted_s).collect();
@@ -53,7 +53,7 @@ impl TreeProblem {
                     let event_s = point.event_times_s[event];
                     course.advance(Stop::known(event_s));
                     knot(event_s, course.state());
-                    if self.pass((event, point), &mut course) {
+                    if self.pass(event, point, &mut course) {
                         knot(event_s, course.state());
                     }
                 }
@@ -65,23 +65,18 @@ impl TreeProblem {
     }
 
     /// Goes on from a physical time to a later one \[s\], through the events after that and until this.
-    pub(super) fn follow(
-        &self,
-        point: &TreePoint,
-        (from_s, to_s): (f64, f64),
-        course: &mut Course,
-    ) {
+    pub(super) fn follow(&self, point: &TreePoint, from_s: f64, to_s: f64, course: &mut Course) {
         for (event, event_s) in point.event_times_s.iter().enumerate() {
             if *event_s > from_s && *event_s <= to_s {
                 course.advance(Stop::known(*event_s));
-                self.pass((event, point), course);
+                self.pass(event, point, course);
             }
         }
         course.advance(Stop::known(to_s));
     }
 
     /// Goes through an event; whether the rates jump there.
-    fn pass(&self, (event, point): (usize, &TreePoint), course: &mut Course) -> bool {
+    fn pass(&self, event: usize, point: &TreePoint, course: &mut Course) -> bool {
         let touch = self.events[event].touch_at(point);
         touch.is_some_and(|touch| course.bounce(&touch).is_ok())
     }
@@ -139,7 +134,7 @@ impl TreeProblem {
         let line = &point.time_line(self);
         let [begin_s, last_s] = line.physical_span_s();
         let most_s = most_s.min(self.forest.smooth_s(begin_s));
-        let mut course = Course::plain((self, line), (&point.nodes[0], begin_s));
+        let mut course = Course::plain(self, line, &point.nodes[0], begin_s);
         let mut events = (0..self.events.len()).peekable();
         let mut fastest_rad_s: f64 = 0.0;
         let mut now_s = begin_s;
@@ -157,7 +152,7 @@ impl TreeProblem {
             now_s += step_s(fastest_rad_s).min(end_s - now_s);
             while let Some(event) = events.next_if(|of| point.event_times_s[*of] <= now_s) {
                 course.step(point.event_times_s[event]);
-                self.pass((event, point), &mut course);
+                self.pass(event, point, &mut course);
             }
             course.step(now_s);
         }

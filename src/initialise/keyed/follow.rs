@@ -378,7 +378,7 @@ impl<'a> Course<'a> {
         let (flown, offset_s) = way.last();
         let (from_s, to_s) = self.window_s(way);
         let at = |time_s: f64| flown.at(self.scene, self.mechanism, time_s);
-        let (time_s, gap_m) = self.touch(hit, &at, &flown, (from_s, to_s))?;
+        let (time_s, gap_m) = self.touch(hit, &at, &flown, from_s, to_s)?;
         let before = at(time_s);
         let Dynamics::Free(body) = self.scene.dynamics(self.mechanism);
         let side = Side {
@@ -430,7 +430,8 @@ impl<'a> Course<'a> {
         hit: &Hit,
         at: &impl Fn(f64) -> State,
         flown: &Flown,
-        (from_s, to_s): (f64, f64),
+        from_s: f64,
+        to_s: f64,
     ) -> Option<(f64, f64)> {
         let gap_m = |time_s: f64| hit.gap_m(&at(time_s));
         let turning_s = SCAN_RAD / flown.state.angular_velocity_rad_s.norm();

@@ -36,7 +36,7 @@ impl Curve {
     pub fn at(&self, time_s: f64) -> Driven {
         let after = self.knots.partition_point(|knot| knot.time_s <= time_s);
         match (after.checked_sub(1), self.knots.get(after)) {
-            (Some(before), Some(next)) => jets::between((&self.knots[before], next), time_s),
+            (Some(before), Some(next)) => jets::between(&self.knots[before], next, time_s),
             (Some(last), None) => jets::beyond(&self.knots[last], time_s),
             (None, _) => jets::beyond(&self.knots[0], time_s),
         }

@@ -19,7 +19,7 @@ use crate::physics::State;
 type Jet = [Vector3<f64>; 3];
 
 /// The state between two knots.
-pub(super) fn between((from, to): (&Knot, &Knot), time_s: f64) -> Driven {
+pub(super) fn between(from: &Knot, to: &Knot, time_s: f64) -> Driven {
     let lasting_s = to.time_s - from.time_s;
     let share = (time_s - from.time_s) / lasting_s;
     let places = [from, to].map(|knot| {
@@ -174,7 +174,7 @@ mod tests {
     fn a_curve_has_what_its_knots_have() {
         let (from, to) = (knot(0.2, 1.0), knot(0.31, -0.7));
         for (time_s, driven) in [(0.2, from.driven), (0.31, to.driven)] {
-            let off = near(&between((&from, &to), time_s), &driven);
+            let off = near(&between(&from, &to, time_s), &driven);
             assert!(off < 1e-11, "{time_s}: {off}");
             assert!(near(&beyond(&from, 0.2), &from.driven) < 1e-14);
         }
@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn rates_are_derivatives_by_time() {
         let (from, to) = (knot(0.0, 1.0), knot(1.0, -0.7));
-        let one = |time_s: f64| between((&from, &to), time_s);
+        let one = |time_s: f64| between(&from, &to, time_s);
         let far = |time_s: f64| beyond(&to, time_s);
         let check = |at: &dyn Fn(f64) -> Driven, time_s: f64| {
             let here = at(time_s);

@@ -117,7 +117,8 @@ impl Scene {
     /// at the event; `None` where what touches is open or degenerate.
     pub fn point_of(
         &self,
-        (goal, quantity): (&Goal, &GoalQuantity),
+        goal: &Goal,
+        quantity: &GoalQuantity,
         state_of: &dyn Fn(LinkIndex) -> Option<State>,
     ) -> Option<Vector3<f64>> {
         match quantity.point() {
@@ -251,7 +252,7 @@ impl Scene {
             let since_s = time_s - arc.epoch_s;
             Some(dynamics.advance(&estimate.gravity_m_s2, &arc.state, since_s))
         };
-        self.condition_distance((goal, condition), &time_of, &state_of)
+        self.condition_distance(goal, condition, &time_of, &state_of)
     }
 
     /// How far a condition of a goal is from its set ([`GoalSet::distance`]), given the times of events
@@ -259,7 +260,8 @@ impl Scene {
     /// open or degenerate.
     pub fn condition_distance(
         &self,
-        (goal, condition): (&Goal, &Condition),
+        goal: &Goal,
+        condition: &Condition,
         time_of: &dyn Fn(usize) -> Option<f64>,
         state_of: &dyn Fn(LinkIndex) -> Option<State>,
     ) -> Option<f64> {
@@ -268,7 +270,7 @@ impl Scene {
             let since_s = since.map_or(Some(0.0), time_of)?;
             Vector3::new(time_of(goal.event)? - since_s, 0.0, 0.0)
         } else {
-            let point_m = self.point_of((goal, quantity), state_of)?;
+            let point_m = self.point_of(goal, quantity, state_of)?;
             let other = match quantity.seen_from() {
                 Some(other) => Some(state_of(other)?),
                 None => None,

@@ -220,7 +220,8 @@ impl Condition {
     /// axes]: it is about the same points of the object.
     pub fn with_centre_moved(
         mut self,
-        (is_own, is_seen_from): (bool, bool),
+        is_own: bool,
+        is_seen_from: bool,
         by_m: &Vector3<f64>,
     ) -> Self {
         if is_own

@@ -147,8 +147,10 @@ impl Scene {
                 }
                 GoalTarget::Condition(condition) => {
                     let is_seen_from = condition.quantity.seen_from() == Some(link);
-                    let sides = (goal.link == link, is_seen_from);
-                    *condition = condition.clone().with_centre_moved(sides, &by_m);
+                    *condition =
+                        condition
+                            .clone()
+                            .with_centre_moved(goal.link == link, is_seen_from, &by_m);
                 }
                 _ => {}
             }

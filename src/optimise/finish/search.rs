@@ -86,7 +86,8 @@ impl<P: Program> Finish<'_, P> {
     pub(super) fn search(
         &mut self,
         guidance: &P::Guidance,
-        (kkt, step): (&Kkt, &KktStep),
+        kkt: &Kkt,
+        step: &KktStep,
         may_damp: bool,
         trial: &mut Place<P::Point>,
     ) -> Taken {
@@ -103,7 +104,7 @@ impl<P: Program> Finish<'_, P> {
                 _ => 0,
             };
             trial.multipliers.clone_from(&step.multipliers);
-            if self.reaches(guidance, &merit, (kkt, &delta, corrections), trial) {
+            if self.reaches(guidance, &merit, kkt, &delta, corrections, trial) {
                 return if halving == 0 {
                     Taken::Whole
                 } else {
@@ -124,7 +125,9 @@ impl<P: Program> Finish<'_, P> {
         &mut self,
         guidance: &P::Guidance,
         merit: &Merit,
-        (kkt, delta, corrections): (&Kkt, &DVector<f64>, usize),
+        kkt: &Kkt,
+        delta: &DVector<f64>,
+        corrections: usize,
         trial: &mut Place<P::Point>,
     ) -> bool {
         self.evaluate(guidance, delta, trial);
@@ -135,9 +138,8 @@ impl<P: Program> Finish<'_, P> {
         let mut corrected = delta.clone();
         for _ in 0..corrections {
             let violation = trial.system.total_violation();
-            let at = (&self.system, &trial.system);
             let structure = self.program.structure();
-            corrected += kkt.correction(structure, at, delta);
+            corrected += kkt.correction(structure, &self.system, &trial.system, delta);
             self.evaluate(guidance, &corrected, trial);
             if merit.is_reached(&trial.system) {
                 self.complete(guidance, trial);
@@ -171,8 +173,7 @@ impl<P: Program> Finish<'_, P> {
             };
             self.damping = damping;
             trial.multipliers.clone_from(&step.multipliers);
-            let onward = (&kkt, &step.delta, CORRECTIONS[1]);
-            is_back = self.reaches(guidance, merit, onward, trial);
+            is_back = self.reaches(guidance, merit, &kkt, &step.delta, CORRECTIONS[1], trial);
             if is_back {
                 break;
             }

@@ -51,7 +51,8 @@ impl Model {
     /// decomposition ends.
     pub(super) fn new<P: Program>(
         program: &P,
-        (system, hessian): (&System, &Envelope),
+        system: &System,
+        hessian: &Envelope,
         scale: &DVector<f64>,
         held: &[bool],
     ) -> Option<Self> {

@@ -61,7 +61,7 @@ impl<'a> Strobe<'a> {
             step_s,
             surfaces: scene.links.iter().map(|of| mesh(&of.shape)).collect(),
             colours: theme::colours(scene),
-            flashes: flashes((scene, said), motion, step_s),
+            flashes: flashes(scene, said, motion, step_s),
             ghosts: ghosts(scene, motion, step_s),
             patches: patches(scene, &motion.estimates),
             points_m: all.map(|sample| sample.position_m).collect(),

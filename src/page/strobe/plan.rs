@@ -131,7 +131,8 @@ fn instants(motion: &WrittenMotion, step_s: f64) -> Vec<Stamp> {
 
 /// The bodies at all flashes and at their events. Of what is simulated those that have moved, and the last.
 pub(super) fn flashes(
-    (scene, said): (&Scene, &Said),
+    scene: &Scene,
+    said: &Said,
     motion: &WrittenMotion,
     step_s: f64,
 ) -> Vec<Flash> {

@@ -124,7 +124,7 @@ impl Pair {
         let rates = match (self, measure) {
             (Pair::PointFace(ball, plane), _) => point_face(ball, plane, &touch, a, b),
             (Pair::RimFace(circle, plane), Measure::Rim(sine, down)) => {
-                rim_face(circle, plane, &touch, (sine, &down), a, b)
+                rim_face(circle, plane, &touch, sine, &down, a, b)
             }
             (Pair::PointPoint(p, q), Measure::Distance(distance_m)) => {
                 point_point(p, q, &touch, distance_m, a, b)
@@ -160,7 +160,8 @@ fn rim_face(
     circle: &Circle,
     plane: &Plane,
     touch: &Touch,
-    (sine, down): (f64, &Vector3<f64>),
+    sine: f64,
+    down: &Vector3<f64>,
     a: &Placed,
     b: &Placed,
 ) -> Rates {

@@ -53,7 +53,8 @@ fn next(
     a: &Series<3>,
     b: &Columns,
     n: usize,
-    (add, scale): ([[f64; 2]; 3], [f64; 3]),
+    add: [[f64; 2]; 3],
+    scale: [f64; 3],
     product: impl Fn([Lanes; 3], [Lanes; 3]) -> [Lanes; 3],
 ) -> [[f64; 2]; 3] {
     // Three names rather than an array, which would live in memory.
@@ -235,7 +236,7 @@ impl Variables {
         match *self {
             Self::Components => {
                 for n in 0..ORDER {
-                    z[n + 1] = next(series, &z, n, (zero, *couplings), |a, b| {
+                    z[n + 1] = next(series, &z, n, zero, *couplings, |a, b| {
                         [
                             a[1] * b[2] + a[2] * b[1],
                             a[2] * b[0] + a[0] * b[2],
@@ -248,7 +249,7 @@ impl Variables {
             Self::Factors { rate, .. } => {
                 let scale = [-rate, 0.5 * rate, rate];
                 for n in 0..ORDER {
-                    z[n + 1] = next(series, &z, n, (zero, scale), |a, b| {
+                    z[n + 1] = next(series, &z, n, zero, scale, |a, b| {
                         [
                             a[1] * b[0] + a[0] * b[1],
                             a[0] * b[0] - a[2] * b[2],
@@ -359,7 +360,7 @@ pub fn turn(omega: &Series<3>) -> Series<4> {
 pub fn turn_derivatives(omega: &Series<3>, w: &Columns) -> Columns {
     let mut eta = [[[0.0; 2]; 3]; ORDER + 1];
     for n in 0..ORDER {
-        eta[n + 1] = next(omega, &eta, n, (w[n], [1.0; 3]), |a, b| {
+        eta[n + 1] = next(omega, &eta, n, w[n], [1.0; 3], |a, b| {
             [
                 a[2] * b[1] - a[1] * b[2],
                 a[0] * b[2] - a[2] * b[0],

@@ -68,9 +68,7 @@ impl Coulomb {
         let factor = delassus.cholesky().ok_or(ImpactError::NoResponse)?;
         let inverses = [factor.inverse(), Matrix3::zeros()];
         Ok(Self::with_inverse(
-            (law, normal),
-            velocity,
-            (delassus, inverses),
+            law, normal, velocity, delassus, inverses,
         ))
     }
 
@@ -109,16 +107,16 @@ impl Coulomb {
         }
         let inverses = [inverse, rigid];
         Ok(Self::with_inverse(
-            (law, normal),
-            velocity,
-            (delassus, inverses),
+            law, normal, velocity, delassus, inverses,
         ))
     }
 
     fn with_inverse(
-        (law, normal): (&Law, &Vector3<f64>),
+        law: &Law,
+        normal: &Vector3<f64>,
         velocity: &Vector3<f64>,
-        (delassus, [inverse_delassus, rigid]): (&Matrix3<f64>, [Matrix3<f64>; 2]),
+        delassus: &Matrix3<f64>,
+        [inverse_delassus, rigid]: [Matrix3<f64>; 2],
     ) -> Self {
         let normal_delassus = normal.dot(&(delassus * normal));
         let plastic = -normal.dot(velocity) / normal_delassus;

@@ -112,10 +112,10 @@ impl Turner {
         match &mut self.kind {
             Kind::Closed(frame) => {
                 let h = s * frame.half_rates[0];
-                let sin_cos = h.sin_cos();
+                let (sin, cos) = h.sin_cos();
                 Turned {
-                    orientation: frame.orientation(s, sin_cos),
-                    by_spin: frame.by_spin(h, sin_cos),
+                    orientation: frame.orientation(s, sin, cos),
+                    by_spin: frame.by_spin(h, sin, cos),
                 }
             }
             Kind::Steps {
@@ -219,7 +219,7 @@ impl LaneSums {
         let s = f64x4::from(seconds);
         let h = s * frame.half_rates[0];
         let (sin, cos) = h.sin_cos();
-        let error = frame.error(s, (sin, cos), measured.map(f64x4::from), present);
+        let error = frame.error(s, sin, cos, measured.map(f64x4::from), present);
         let [x, y, z] = error;
         self.cost += (x * x + y * y + z * z) * 0.5;
         for (sum, part) in self.error.iter_mut().zip(error) {
@@ -285,7 +285,7 @@ impl LaneFrame {
 
     /// `R(0) R(s)` as `(i, j, k, w)`.
     #[inline]
-    fn orientation(&self, s: f64x4, (sin, cos): (f64x4, f64x4)) -> [f64x4; 4] {
+    fn orientation(&self, s: f64x4, sin: f64x4, cos: f64x4) -> [f64x4; 4] {
         let [r, rn, ra, rna] = &self.turned;
         if self.excess == 0.0 {
             let at = |part: usize| cos * r[part] + sin * rn[part];
@@ -304,7 +304,7 @@ impl LaneFrame {
 
     /// `R(0) K` in world axes, by the axes of this frame.
     #[inline]
-    fn by_spin(&self, h: f64x4, (sin, cos): (f64x4, f64x4)) -> [Vectors; 3] {
+    fn by_spin(&self, h: f64x4, sin: f64x4, cos: f64x4) -> [Vectors; 3] {
         let cardinal = cardinal_sine(h, sin);
         let (re, im) = (cardinal * cos, cardinal * sin);
         let axes = [0, 1, 2].map(|axis| Vectors::splat(&self.world.column(axis).into()));
@@ -332,11 +332,12 @@ impl LaneFrame {
     fn error(
         &self,
         s: f64x4,
-        sin_cos: (f64x4, f64x4),
+        sin: f64x4,
+        cos: f64x4,
         measured: [f64x4; 4],
         present: usize,
     ) -> [f64x4; 3] {
-        let error = logarithm(between(self.orientation(s, sin_cos), measured));
+        let error = logarithm(between(self.orientation(s, sin, cos), measured));
         let is_there = f64x4::from([0, 1, 2, 3].map(|lane| f64::from(u8::from(lane < present))));
         let [p, q, t] = error.times(is_there).0;
         let world = &self.world;

@@ -104,7 +104,7 @@ impl ForestSnapshot<'_> {
         let met = pairs.map(|(contact, pair)| {
             let touch = pair.touch(&frames[0], &frames[1]);
             let touch = touch.map_err(|reason| ImpactError::Degenerate { contact, reason })?;
-            Ok(self.met(of, (pair, touch), &frames[1], law))
+            Ok(self.met(of, pair, touch, &frames[1], law))
         });
         let met: Vec<Met> = met.collect::<Result<_, ImpactError>>()?;
         let sides: Vec<&[Side]> = met.iter().map(|met| met.sides.as_slice()).collect();
@@ -125,7 +125,8 @@ impl ForestSnapshot<'_> {
     fn met(
         &self,
         of: &LinkContact,
-        (pair, touch): (&Contact, Touch),
+        pair: &Contact,
+        touch: Touch,
         frame_of_b: &Frame,
         law: &Law,
     ) -> Met {

@@ -89,7 +89,7 @@ impl Tangent {
                     let q = four(&state[node.coordinate..]);
                     let of_q = &z[at..at + 4 * stride];
                     let of_omega = &of_rates[column * stride..(column + 3) * stride];
-                    quaternion(stride, (&q, &omega), (of_q, of_omega), &mut slope[at..]);
+                    quaternion(stride, &q, &omega, of_q, of_omega, &mut slope[at..]);
                     if column >= turned {
                         let to = (column - turned) * stride;
                         perturbation(stride, &q, of_q, &mut self.seen[to..]);
@@ -125,8 +125,10 @@ fn product(stride: usize, row: &[f64], seen: &[f64], out: &mut [f64]) {
 #[inline(always)]
 fn quaternion(
     stride: usize,
-    (q, omega): (&[f64; 4], &[f64; 3]),
-    (of_q, of_omega): (&[f64], &[f64]),
+    q: &[f64; 4],
+    omega: &[f64; 3],
+    of_q: &[f64],
+    of_omega: &[f64],
     out: &mut [f64],
 ) {
     for lane in 0..stride {

@@ -26,7 +26,8 @@ impl<'a> Budget<'a> {
     /// All of it, where the estimation of the take took so many iterations.
     pub(super) fn beside(
         work: usize,
-        (scene, events): (&Scene, &[TakeEvent]),
+        scene: &Scene,
+        events: &[TakeEvent],
         observer: &'a mut dyn Observer,
     ) -> Self {
         let marks = events.iter().filter(|event| event.mark().is_some()).count();
@@ -92,7 +93,7 @@ mod tests {
     fn tries_share_what_is_left_and_each_has_its_own_end() {
         let scene = fixture::scene();
         let mut observer = ();
-        let mut budget = Budget::beside(0, (&scene, &[]), &mut observer);
+        let mut budget = Budget::beside(0, &scene, &[], &mut observer);
         let (all, of_preparing) = (budget.left, budget.of_preparing);
         let mut tries = 0;
         while !budget.is_over() {
@@ -107,7 +108,7 @@ mod tests {
         }
         assert_eq!(tries, all.div_ceil(of_preparing + OF_ONE));
         let mut observer = ();
-        let long = Budget::beside(700, (&scene, &[]), &mut observer).left;
+        let long = Budget::beside(700, &scene, &[], &mut observer).left;
         assert_eq!(long, SHARE * (700 + of_preparing));
     }
 }

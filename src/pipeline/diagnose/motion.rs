@@ -90,8 +90,7 @@ impl Motion {
         }
         let scene = given.as_estimated(&estimate);
         let sketch = performed.sketch.seen_in(&given, &scene);
-        let scenes = (&scene, &given);
-        let doubts = credible::doubts(scenes, &sketch, &performed.marks_made_s, &estimate);
+        let doubts = credible::doubts(&scene, &given, &sketch, &performed.marks_made_s, &estimate);
         let best = match scene.velocity_gaps {
             VelocityGaps::Always => Verdict::Plausible,
             VelocityGaps::WhenNeeded | VelocityGaps::Never => Verdict::Physical,

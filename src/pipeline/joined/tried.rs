@@ -48,7 +48,7 @@ impl Field<'_> {
     pub(super) fn named(&self, scene: Scene, observer: &mut dyn Observer) -> Tried {
         let (problem, starts) = self.problem(&scene);
         let solved = tree::solved(&problem, &starts, observer);
-        self.checked(scene, (solved, Told::Whole), observer)
+        self.checked(scene, solved, Told::Whole, observer)
     }
 
     /// What comes of such a scene where another motion is the best so far.
@@ -71,7 +71,8 @@ impl Field<'_> {
         }
         Came::Tried(Box::new(self.checked(
             scene,
-            (solved, Told::Motion),
+            solved,
+            Told::Motion,
             observer,
         )))
     }
@@ -81,8 +82,13 @@ impl Field<'_> {
         if tried.told == Told::Whole {
             return tried;
         }
-        let performed = (&tried.scene, self.sketch);
-        let mut estimate = tree::estimate(performed, (&tried.solved, Told::Whole), observer);
+        let mut estimate = tree::estimate(
+            &tried.scene,
+            self.sketch,
+            &tried.solved,
+            Told::Whole,
+            observer,
+        );
         estimate.doubt(tried.estimate.doubts);
         if matches!(tried.estimate.reason.end, End::Unverified(_)) {
             estimate.is_not_verified();
@@ -99,12 +105,18 @@ impl Field<'_> {
     fn checked(
         &self,
         scene: Scene,
-        (solved, told): (Solved, Told),
+        solved: Solved,
+        told: Told,
         observer: &mut dyn Observer,
     ) -> Tried {
-        let mut estimate = tree::estimate((&scene, self.sketch), (&solved, told), observer);
-        let performed = (self.sketch, self.marks_made_s);
-        match verify::joined::doubts_until(&scene, performed, &estimate, observer) {
+        let mut estimate = tree::estimate(&scene, self.sketch, &solved, told, observer);
+        match verify::joined::doubts_until(
+            &scene,
+            self.sketch,
+            self.marks_made_s,
+            &estimate,
+            observer,
+        ) {
             Some(doubts) => estimate.doubt(doubts),
             None => estimate.is_not_verified(),
         }

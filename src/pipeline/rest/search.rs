@@ -124,7 +124,7 @@ impl<'a> Seeker<'a> {
             .take
             .inferred
             .solved
-            .simulated(self.take.posed(), &parts)?;
+            .simulated(self.take.performance(), &parts)?;
         let is_motion = moved.estimate.verdict == Verdict::Physical;
         is_motion.then_some(moved)
     }
@@ -228,7 +228,7 @@ impl<'a> Seeker<'a> {
         }
         let timed = found
             .solved
-            .with_sample_times(self.take.posed(), observer)?;
+            .with_sample_times(self.take.performance(), observer)?;
         let is_motion = timed.estimate.verdict == Verdict::Physical;
         (is_motion && self.is_sound(&timed)).then_some(timed)
     }

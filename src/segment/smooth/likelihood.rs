@@ -25,7 +25,8 @@ const BISECTIONS: usize = 4;
 pub(super) fn credible<C: Chain>(
     stretches: &[Vec<Timed<C::Reading>>],
     interval_s: f64,
-    (given, least): (Option<f64>, f64),
+    given: Option<f64>,
+    least: f64,
 ) -> Noises {
     let jerk = |decade: f64| 10_f64.powf(decade) * interval_s.powi(-5);
     let surprised = |decade: f64| {

@@ -53,7 +53,7 @@ fn seen(speed_m_s: f64, rate_hz: f64, sd: [f64; 2], random: &mut Random) -> (Tra
 
 fn of(track: &TrackSketch, hits_s: &[f64]) -> HeldMotion {
     let hits: Vec<(usize, f64)> = hits_s.iter().copied().enumerate().collect();
-    smoothed(track, &Pose::identity(), (&Held::default(), &hits))
+    smoothed(track, &Pose::identity(), &Held::default(), &hits)
 }
 
 /// Shares of errors at collisions within one and within two standard deviations, of positions,

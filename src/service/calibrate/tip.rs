@@ -140,7 +140,8 @@ pub(super) fn plane(
     input: &Path,
     choice: &CalibrateChoice,
     point: &TouchingPoint,
-    (at_s, window_s): (&[f64], f64),
+    at_s: &[f64],
+    window_s: f64,
     surface: &str,
 ) -> anyhow::Result<Found> {
     let read = read(input, choice, 1, 1)?;

@@ -322,7 +322,7 @@ impl Running {
         };
         let recorder = Recorder {
             so_far: spawn_previewer(previewer, &mut threads)?,
-            finals: spawn_finals(&speaker, (shown_sender, &metrics), enough, &mut threads)?,
+            finals: spawn_finals(&speaker, shown_sender, &metrics, enough, &mut threads)?,
             syncer: spawn_syncer(&speaker, &mut threads)?,
             scene,
             scene_toml,
@@ -458,7 +458,8 @@ fn spawn_previewer(
 
 fn spawn_finals(
     speaker: &Speaker,
-    (shown, metrics): (watch::Sender<Shown>, &Arc<Metrics>),
+    shown: watch::Sender<Shown>,
+    metrics: &Arc<Metrics>,
     enough: &'static AtomicBool,
     threads: &mut Vec<JoinHandle<()>>,
 ) -> anyhow::Result<SyncSender<super::estimator::Finished>> {

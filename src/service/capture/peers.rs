@@ -133,7 +133,7 @@ impl Ports {
             // A peer that has gone is not answered.
             let _ = self.pages.answer(ours, waiting, &self.answered).await;
         };
-        self.meets((bytes, &[]), serve, theirs)
+        self.meets(bytes, &[], serve, theirs)
     }
 
     /// A peer at the viewers' port that says the first, then once it is answered the second and then no more, while
@@ -154,7 +154,7 @@ impl Ports {
         let both = async {
             tokio::join!(serve, show);
         };
-        self.meets((handshake, then), both, theirs)
+        self.meets(handshake, then, both, theirs)
     }
 
     /// Whether nobody watches, and no place is taken.
@@ -196,7 +196,8 @@ impl Ports {
     /// Runs both sides to their ends, which a server reaches when its peer has no more to say.
     fn meets(
         &self,
-        (first, then): (&[u8], &[u8]),
+        first: &[u8],
+        then: &[u8],
         serve: impl Future<Output = ()>,
         mut peer: DuplexStream,
     ) -> Met {

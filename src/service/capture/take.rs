@@ -81,7 +81,8 @@ impl Take {
         scene: &Scene,
         scene_toml: &[u8],
         topics: &[StreamTopic],
-        (settings, before): (&CaptureSettings, &dyn Fn(usize) -> Option<Before>),
+        settings: &CaptureSettings,
+        before: &dyn Fn(usize) -> Option<Before>,
     ) -> Result<Self, WriteError> {
         let names: Vec<String> = topics.iter().map(|topic| topic.topic.clone()).collect();
         let anchor = Anchor::now();

@@ -23,12 +23,19 @@ pub(super) fn files(
     let (scene, motion) = (&read.scene, &read.motion);
     let files = match job.format {
         ExportFormat::Glb => {
-            let at = (motion.zero, job.frame_rate_hz);
-            vec![(String::new(), glb(scene, bodies, at, provenance))]
+            vec![(
+                String::new(),
+                glb(scene, bodies, motion.zero, job.frame_rate_hz, provenance),
+            )]
         }
         ExportFormat::Csv => {
-            let at = (motion.zero, motion.simulated_from);
-            let text = csv(scene, bodies, at, provenance);
+            let text = csv(
+                scene,
+                bodies,
+                motion.zero,
+                motion.simulated_from,
+                provenance,
+            );
             vec![(String::new(), text.into_bytes())]
         }
         ExportFormat::Tum => {
@@ -47,7 +54,7 @@ pub(super) fn files(
             files
         }
         ExportFormat::Bvh => {
-            let text = bvh(scene, bodies, (motion.zero, job.frame_rate_hz));
+            let text = bvh(scene, bodies, motion.zero, job.frame_rate_hz);
             vec![(String::new(), text.into_bytes())]
         }
         ExportFormat::Ros2 => {

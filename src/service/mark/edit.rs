@@ -85,7 +85,9 @@ pub(super) fn present(opened: &Opened) -> anyhow::Result<Vec<Placed>> {
 pub(super) fn edited(
     mut marks: Vec<Placed>,
     edits: &MarkEdits,
-    (opened, first, offset_ns): (&Opened, Stamp, i64),
+    opened: &Opened,
+    first: Stamp,
+    offset_ns: i64,
 ) -> anyhow::Result<Edited> {
     let scene = opened.scene.for_reading();
     let mut without = BTreeSet::new();

@@ -100,7 +100,8 @@ impl Motion {
     pub(super) fn estimated(
         scene: &Scene,
         events: Vec<TakeEvent>,
-        (deadline, working): (Deadline, &Working),
+        deadline: Deadline,
+        working: &Working,
     ) -> anyhow::Result<(Self, Vec<String>)> {
         let mut stopwatch = Stopwatch::start(deadline, working);
         // What may be mistaken is not said here.
@@ -136,8 +137,10 @@ impl Motion {
                     let at = stamp(arc.start_s + share * (arc.end_s - arc.start_s) - zero_s);
                     // At the stamp, which counts whole nanoseconds.
                     let time_s = zero_s + at.seconds_since(Stamp(0));
-                    let motion = (arc, estimate.gravity_m_s2);
-                    (at, keyframe((scene, track), motion, at, time_s))
+                    (
+                        at,
+                        keyframe(scene, track, arc, estimate.gravity_m_s2, at, time_s),
+                    )
                 });
                 flights.push(Flight {
                     track,
@@ -236,8 +239,10 @@ fn name(scene: &Scene, marks: &mut [Mark]) -> anyhow::Result<()> {
 }
 
 fn keyframe(
-    (scene, track): (&Scene, TrackIndex),
-    (arc, gravity_m_s2): (&ArcEstimate, nalgebra::Vector3<f64>),
+    scene: &Scene,
+    track: TrackIndex,
+    arc: &ArcEstimate,
+    gravity_m_s2: nalgebra::Vector3<f64>,
     stamp: Stamp,
     time_s: f64,
 ) -> Keyframe {

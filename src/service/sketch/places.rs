@@ -38,7 +38,7 @@ pub(super) fn placed<'r>(
     let mut stamps: Vec<Stamp> = known.collect();
     for track in scene.tracks.keys() {
         for flight in 0..scene.streams(track) {
-            place_stream(rows, scene, (track, flight), &mut stamps)?;
+            place_stream(rows, scene, track, flight, &mut stamps)?;
         }
     }
     let mut placed: Vec<(Stamp, &SketchRow)> = stamps.into_iter().zip(rows).collect();
@@ -49,7 +49,8 @@ pub(super) fn placed<'r>(
 fn place_stream(
     rows: &[SketchRow],
     scene: &Scene,
-    (track, flight): (TrackIndex, usize),
+    track: TrackIndex,
+    flight: usize,
     stamps: &mut [Stamp],
 ) -> anyhow::Result<()> {
     let (places, aside) = in_order(rows, scene, (track, flight));

@@ -39,7 +39,8 @@ struct Brief<'a> {
 
 /// Doubts about flights that have fewer samples than are needed for the test of all together.
 pub(super) fn doubts(
-    (scene, sketch): (&Scene, &Sketch),
+    scene: &Scene,
+    sketch: &Sketch,
     estimate: &Estimate,
     flights: &[Flight],
 ) -> Vec<Doubt> {
@@ -66,7 +67,7 @@ pub(super) fn doubts(
             briefs.push(Brief { flight, gain_m2 });
         }
     }
-    let Some(bound_m2) = bound_m2(scene, left_m2 / freedom, (freedom, briefs.len())) else {
+    let Some(bound_m2) = bound_m2(scene, left_m2 / freedom, freedom, briefs.len()) else {
         return Vec::new();
     };
     // The root of the ratio of mean squares per degree of freedom, as of the flights with many samples.
@@ -83,7 +84,7 @@ pub(super) fn doubts(
 
 /// Greatest decrease of the sum of squares of a right flight by an acceleration of its own \[m²\], where
 /// the noise has this variance \[m²\] by so many degrees of freedom, and so many flights are tested.
-fn bound_m2(scene: &Scene, noise_m2: f64, (freedom, flights): (f64, usize)) -> Option<f64> {
+fn bound_m2(scene: &Scene, noise_m2: f64, freedom: f64, flights: usize) -> Option<f64> {
     let shared = |probability: f64| 1.0 - probability / flights.max(1) as f64;
     let weight_m2 = scene.weights.position_m.powi(2);
     let by_weights = ChiSquared::new(DIRECTIONS).ok()?;

@@ -10,15 +10,16 @@ use crate::motion::{About, Doubt, Estimate, Place, Scene, Sketch};
 /// for unmarked ones. The scene is the one as estimated, then the one of which it is the estimate. The estimate's arcs must be finite and belong to this sketch. Costs a few
 /// sums per sample.
 pub fn doubts(
-    (scene, given): (&Scene, &Scene),
+    scene: &Scene,
+    given: &Scene,
     sketch: &Sketch,
     marks_made_s: &[Option<f64>],
     estimate: &Estimate,
 ) -> Vec<Doubt> {
     let flights = flights(scene, sketch, estimate);
     let mut doubts = kinematics::doubts(scene, estimate, &flights);
-    doubts.extend(fit::doubts((scene, sketch), estimate, &flights));
-    doubts.extend(brief::doubts((scene, sketch), estimate, &flights));
+    doubts.extend(fit::doubts(scene, sketch, estimate, &flights));
+    doubts.extend(brief::doubts(scene, sketch, estimate, &flights));
     doubts.extend(marks::doubts(scene, sketch, marks_made_s, estimate));
     doubts.extend(open_times::doubts(&flights));
     doubts.extend(outside::doubts(scene, &flights));

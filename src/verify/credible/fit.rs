@@ -46,7 +46,8 @@ const NOTHING_M: f64 = 1e-4;
 const WEIGHTLESS_M_S2: f64 = 0.1;
 
 pub(super) fn doubts(
-    (scene, sketch): (&Scene, &Sketch),
+    scene: &Scene,
+    sketch: &Sketch,
     estimate: &Estimate,
     flights: &[Flight],
 ) -> Vec<Doubt> {

@@ -24,7 +24,7 @@ pub(super) fn doubts(scene: &Scene, world: &World, estimate: &Estimate) -> Vec<D
             let rms = [residual.position_rms_m, residual.orientation_rms_rad];
             say(
                 About::Residual,
-                in_weights(scene, (residual.track, rms)),
+                in_weights(scene, residual.track, rms),
                 RESIDUAL,
             );
         }

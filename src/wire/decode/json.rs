@@ -183,7 +183,7 @@ fn framed(parent: String, child: String, stamp: Option<Stamp>, pose: JsonPose) -
         orientation: q,
     } = pose;
     let position_m = nalgebra::Vector3::new(p.x, p.y, p.z);
-    FramedPose::new((parent, child), stamp, position_m, [q.x, q.y, q.z, q.w])
+    FramedPose::new(parent, child, stamp, position_m, [q.x, q.y, q.z, q.w])
 }
 
 fn time(time: Option<JsonTime>) -> Result<Option<Stamp>, DecodeError> {
@@ -204,7 +204,8 @@ mod tests {
         assert_eq!(
             found,
             [FramedPose::new(
-                ("map".to_owned(), String::new()),
+                "map".to_owned(),
+                String::new(),
                 Some(Stamp(1_700_000_000_000_000_005)),
                 nalgebra::Vector3::new(1.0, 2.5, -3.0),
                 [0.0, 0.0, 0.6, 0.8],

@@ -28,7 +28,8 @@ pub struct FramedPose {
 impl FramedPose {
     /// A pose without a covariance.
     pub(super) fn new(
-        (parent, child): (String, String),
+        parent: String,
+        child: String,
         stamp: Option<Stamp>,
         position_m: Vector3<f64>,
         quaternion_xyzw: [f64; 4],
@@ -53,7 +54,7 @@ impl FramedPose {
     ) -> Self {
         Self {
             holds,
-            ..Self::new((parent, String::new()), stamp, vector, [0.0, 0.0, 0.0, 1.0])
+            ..Self::new(parent, String::new(), stamp, vector, [0.0, 0.0, 0.0, 1.0])
         }
     }
 

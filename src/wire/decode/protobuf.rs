@@ -111,8 +111,13 @@ fn framed(
     let Quaternion { x, y, z, w } = pose
         .orientation
         .ok_or(DecodeError::Missing("orientation"))?;
-    let frames = (parent, child);
-    Ok(FramedPose::new(frames, stamp, position_m, [x, y, z, w]))
+    Ok(FramedPose::new(
+        parent,
+        child,
+        stamp,
+        position_m,
+        [x, y, z, w],
+    ))
 }
 
 fn time(timestamp: Option<Timestamp>) -> Result<Option<Stamp>, DecodeError> {

@@ -69,11 +69,16 @@ fn read(
         }
         RosPose::QuaternionStamped => {
             let (stamp, parent) = reader.header()?;
-            let frames = (parent, String::new());
             let quaternion_xyzw = reader.quaternion()?;
             poses.push(FramedPose {
                 holds: Holds::Orientation,
-                ..FramedPose::new(frames, stamp, Vector3::zeros(), quaternion_xyzw)
+                ..FramedPose::new(
+                    parent,
+                    String::new(),
+                    stamp,
+                    Vector3::zeros(),
+                    quaternion_xyzw,
+                )
             });
         }
         RosPose::TransformStamped => {

@@ -180,7 +180,8 @@ impl<'a> RosReader<'a> {
         let position_m = self.vector("position")?;
         let quaternion_xyzw = self.quaternion()?;
         Ok(FramedPose::new(
-            (parent, child),
+            parent,
+            child,
             stamp,
             position_m,
             quaternion_xyzw,

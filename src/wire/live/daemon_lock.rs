@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use super::super::regular;
 use super::error::{DaemonProcess, LiveError};
-use super::node::{Node, config, place};
+use super::node::{IpcFiles, Node, config, place};
 use super::token::Token;
 
 /// Attempts, and the pause between them: who only looks holds the lock for a moment.
@@ -31,7 +31,7 @@ pub struct DaemonLock {
 impl DaemonLock {
     /// Makes the token of this daemon, too. Fails with [`LiveError::Taken`] where a daemon runs on this iceoryx2.
     pub fn take(node: &Node, scene: &Path) -> Result<Self, LiveError> {
-        let (path, error) = of_place(node.place());
+        let (path, error) = of_place(&node.place());
         let mut options = OpenOptions::new();
         options.read(true).write(true).create(true).truncate(false);
         let mut file = options.open(&path).map_err(&error)?;
@@ -86,7 +86,7 @@ impl Drop for DaemonLock {
 /// The token of the daemon on this iceoryx2; `None` where there is none on this machine. Fails where it is not
 /// this user's.
 pub fn token_of_daemon(config_file: Option<&Path>) -> Result<Option<Token>, LiveError> {
-    let (path, _) = of_place(place(&config(config_file)?));
+    let (path, _) = of_place(&place(&config(config_file)?));
     let path = path.with_extension(TOKEN_ENDING);
     match Token::read(&path) {
         Ok(token) => Ok(Some(token)),
@@ -101,7 +101,7 @@ pub fn token_of_daemon(config_file: Option<&Path>) -> Result<Option<Token>, Live
 /// The daemon that runs on this iceoryx2, if one does; unknown fields are empty where it does not
 /// say who it is.
 pub fn running_daemon(config_file: Option<&Path>) -> Result<Option<DaemonProcess>, LiveError> {
-    let (path, error) = of_place(place(&config(config_file)?));
+    let (path, error) = of_place(&place(&config(config_file)?));
     let mut file = match regular::open(&path) {
         Ok(file) => file,
         Err(missing) if missing.kind() == std::io::ErrorKind::NotFound => return Ok(None),
@@ -117,9 +117,11 @@ pub fn running_daemon(config_file: Option<&Path>) -> Result<Option<DaemonProcess
     }
 }
 
-fn of_place((root, prefix): (PathBuf, String)) -> (PathBuf, impl Fn(std::io::Error) -> LiveError) {
-    let path = root.join(format!("{prefix}enact_capture.lock"));
-    let root = root.display().to_string();
+fn of_place(place: &IpcFiles) -> (PathBuf, impl Fn(std::io::Error) -> LiveError + use<>) {
+    let path = place
+        .root
+        .join(format!("{}enact_capture.lock", place.prefix));
+    let root = place.root.display().to_string();
     let error = move |reason: std::io::Error| LiveError::Node {
         root: root.clone(),
         reason: format!("the daemon's lock: {reason}"),

@@ -161,9 +161,20 @@ pub(super) fn config(file: Option<&Path>) -> Result<Config, LiveError> {
 }
 
 /// Where iceoryx2's files are, and the beginning of their names.
-pub(super) fn place(config: &Config) -> (std::path::PathBuf, String) {
-    let root = config.global.root_path().to_string();
-    (root.into(), config.global.prefix.to_string())
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct IpcFiles {
+    /// The folder.
+    pub root: std::path::PathBuf,
+    /// What names begin with.
+    pub prefix: String,
+}
+
+/// Those of a configuration.
+pub(super) fn place(config: &Config) -> IpcFiles {
+    IpcFiles {
+        root: config.global.root_path().to_string().into(),
+        prefix: config.global.prefix.to_string(),
+    }
 }
 
 impl Node {
@@ -265,7 +276,7 @@ impl Node {
     }
 
     /// Where iceoryx2's files are, and the beginning of their names.
-    pub fn place(&self) -> (std::path::PathBuf, String) {
+    pub fn place(&self) -> IpcFiles {
         place(&self.config)
     }
 

@@ -20,7 +20,7 @@ const CHANNELS: &str = "CHANNELS 6 Xposition Yposition Zposition Xrotation Yrota
 
 /// The file. Frames are those of the grid from the first on which a body has a pose to the last; before and after its own
 /// a body stays.
-pub fn bvh(scene: &Scene, bodies: &[ExportedBody], (zero, frame_rate_hz): (Stamp, f64)) -> String {
+pub fn bvh(scene: &Scene, bodies: &[ExportedBody], zero: Stamp, frame_rate_hz: f64) -> String {
     let columns: Vec<Vec<(i64, &PoseSample)>> = bodies
         .iter()
         .map(|body| on_frames(body, zero, frame_rate_hz))

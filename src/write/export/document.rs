@@ -74,7 +74,7 @@ impl Document {
     /// A geometry in a colour; colours have the names of what they stand for.
     fn mesh(&mut self, name: &str, geometry: Geometry, look: (&str, [f64; 4])) -> Option<usize> {
         let [corners, indices] = geometry?;
-        let material = self.material(look);
+        let material = self.material(look.0, look.1);
         self.meshes.push(json!({
             "name": name,
             "primitives": [{
@@ -86,7 +86,7 @@ impl Document {
         Some(self.meshes.len() - 1)
     }
 
-    fn material(&mut self, (name, [r, g, b, a]): (&str, [f64; 4])) -> usize {
+    fn material(&mut self, name: &str, [r, g, b, a]: [f64; 4]) -> usize {
         let known = self.materials.iter().position(|of| of["name"] == name);
         known.unwrap_or_else(|| {
             let mut material = json!({

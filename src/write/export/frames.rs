@@ -61,7 +61,8 @@ pub fn exported_bodies(
             keys: keys(
                 motion,
                 samples,
-                (frame_rate_hz, bounces(scene, motion, link, frame_rate_hz)),
+                frame_rate_hz,
+                bounces(scene, motion, link, frame_rate_hz),
             ),
             acted: acted.collect(),
         })
@@ -72,7 +73,8 @@ pub fn exported_bodies(
 fn keys(
     motion: &WrittenMotion,
     samples: &[PoseSample],
-    (frame_rate_hz, bounces): (f64, BTreeSet<Stamp>),
+    frame_rate_hz: f64,
+    bounces: BTreeSet<Stamp>,
 ) -> Vec<Key> {
     let (Some(first), Some(last)) = (samples.first(), samples.last()) else {
         return Vec::new();
@@ -290,7 +292,7 @@ mod tests {
     fn frames_between_those_of_the_file_are_of_the_flight_that_they_are_in() {
         let (motion, samples) = motion();
         for rate_hz in [25.0, 30.0, 1000.0, 59.94] {
-            let keys = keys(&motion, &samples, (rate_hz, BTreeSet::new()));
+            let keys = keys(&motion, &samples, rate_hz, BTreeSet::new());
             assert!(keys.len() as f64 > 0.4 * rate_hz);
             for key in &keys {
                 let at_s = key.sample.stamp.seconds_since(motion.zero);
@@ -321,7 +323,7 @@ mod tests {
             !times_s.is_empty() && times_s.iter().all(|at_s| floor_m(*at_s)),
             "{times_s:?}"
         );
-        let keyed = keys(&motion, &samples, (24.0, bounced_at));
+        let keyed = keys(&motion, &samples, 24.0, bounced_at);
         let lowest_m = keyed.iter().map(|key| key.sample.position_m.z);
         let lowest_m = lowest_m.fold(f64::INFINITY, f64::min);
         assert!(lowest_m.abs() < 1e-6, "{lowest_m}");
@@ -333,7 +335,7 @@ mod tests {
     #[test]
     fn frames_of_the_file_are_as_they_are_and_kinks_have_keys() {
         let (motion, samples) = motion();
-        let keys = keys(&motion, &samples, (24.0, BTreeSet::new()));
+        let keys = keys(&motion, &samples, 24.0, BTreeSet::new());
         // 0.4 s are 9.6 frames: ten of them, the bounce, and the end.
         assert_eq!(keys.len(), 12);
         for key in &keys {

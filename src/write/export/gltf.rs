@@ -18,7 +18,8 @@ use crate::visual::{GHOST_RGBA, Subject, body_rgba, patches, visuals};
 pub fn glb(
     scene: &Scene,
     bodies: &[ExportedBody],
-    (zero, frame_rate_hz): (Stamp, f64),
+    zero: Stamp,
+    frame_rate_hz: f64,
     provenance: &ExportProvenance,
 ) -> Vec<u8> {
     let all = || {

@@ -124,8 +124,7 @@ pub fn ros2(
         let Some(channel) = channels.get(&message.channel_id) else {
             continue;
         };
-        let from = (channel.schema, channel.encoding);
-        let data = translated(from, channel.to, message.data)
+        let data = translated(channel.schema, channel.encoding, channel.to, message.data)
             .map_err(WriteError::translate(path, channel.topic))?;
         let sequence = sequences.entry(channel.id).or_default();
         let header = MessageHeader {

@@ -18,7 +18,8 @@ const HEADER: &str = "t_s,stamp_ns,body,motion,event,x_m,y_m,z_m,qw,qx,qy,qz";
 pub fn csv(
     scene: &Scene,
     bodies: &[ExportedBody],
-    (zero, simulated_from): (Stamp, Option<Stamp>),
+    zero: Stamp,
+    simulated_from: Option<Stamp>,
     provenance: &ExportProvenance,
 ) -> String {
     let mut rows: Vec<(Stamp, usize, &str, &Key)> = Vec::new();

@@ -16,8 +16,11 @@ use crate::wire::encode::SchemaRecord;
 
 /// The body of the record for a schema and a channel: id and schema; id, topic and encoding.
 pub(super) fn definition(
-    (schema_id, schema): (u16, &SchemaRecord),
-    (id, topic, encoding): (u16, &str, &str),
+    schema_id: u16,
+    schema: &SchemaRecord,
+    id: u16,
+    topic: &str,
+    encoding: &str,
 ) -> Vec<u8> {
     let schema = [
         &schema_id.to_le_bytes()[..],

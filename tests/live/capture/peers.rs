@@ -82,7 +82,7 @@ impl Listener {
     /// Starts one and waits until it listens.
     fn start(house: &House, manner: &str) -> Self {
         let mut child = Command::new(std::env::current_exe().expect("this binary"))
-            .args(["--ignored", "--exact", "peers::listener_process"])
+            .args(["--ignored", "--exact", "capture::peers::listener_process"])
             .arg("--nocapture")
             .env(
                 "ENACT_TEST_LISTENER",

@@ -132,7 +132,7 @@ fn a_hole_across_the_start_of_a_take_is_counted() {
     daemon.stop();
     send(100..5000);
     tracker
-        .control(Command::Start, (7, 1), 0, house.token())
+        .control(Command::Start, 7, 1, 0, house.token())
         .expect("send");
     daemon.signal("CONT");
     daemon.wait_for("started");
@@ -141,7 +141,7 @@ fn a_hole_across_the_start_of_a_take_is_counted() {
     let is_said = said.contains("trouble: 2852 samples are missing in take 1\n");
     assert!(code == Some(3) && is_said, "{said}");
     tracker
-        .control(Command::Stop, (7, 2), 0, house.token())
+        .control(Command::Stop, 7, 2, 0, house.token())
         .expect("send");
     let closed = daemon.wait_for("closed");
     let counts = &closed["counts"]["trackers"][0]["counts"];
@@ -343,7 +343,7 @@ fn a_bogus_sequence_number_makes_nothing_missing() {
         tracker.pose(0, pose(*sequence, 1)).expect("send");
     }
     tracker
-        .control(Command::Stop, (7, 1), 0, house.token())
+        .control(Command::Stop, 7, 1, 0, house.token())
         .expect("send");
     let closed = daemon.wait_for("closed");
     let counts = &closed["counts"]["trackers"][0]["counts"];
@@ -416,7 +416,7 @@ fn a_stdout_that_nobody_reads_holds_up_neither_takes_nor_the_end() {
     let director = TrackerPublisher::open(&node, &[], "/marks").expect("publisher");
     let patience = Patience::new();
     while director
-        .control(Command::Start, (7, 0), 0, house.token())
+        .control(Command::Start, 7, 0, 0, house.token())
         .expect("send")
         == 0
     {
@@ -426,7 +426,7 @@ fn a_stdout_that_nobody_reads_holds_up_neither_takes_nor_the_end() {
     // More than a pipe holds.
     for sequence in 1..1500 {
         director
-            .control(Command::Ask, (7, sequence), 0, house.token())
+            .control(Command::Ask, 7, sequence, 0, house.token())
             .expect("send");
         if sequence % 100 == 0 {
             std::thread::sleep(Duration::from_millis(20));

@@ -106,7 +106,7 @@ fn of_a_live_take_nothing_is_lost_that_was_synced() {
         command
             .args([
                 "--exact",
-                "live::a_take_is_journalled",
+                "faults::live::a_take_is_journalled",
                 "--ignored",
                 "--nocapture",
             ])

@@ -268,7 +268,7 @@ fn commands_without_the_token_are_refused() {
     for (sequence, token) in [(1, Token::NONE), (2, other)] {
         for command in [Command::Start, Command::Stop, Command::Discard] {
             stranger
-                .control(command, (7, sequence), 0, token)
+                .control(command, 7, sequence, 0, token)
                 .expect("send");
             let refused = daemon.wait_for("refused");
             let reason = refused["reason"].as_str().expect("text");

@@ -146,8 +146,9 @@ impl Truth {
                 let time_of = |event: usize| self.event_times_s.get(event).copied();
                 let at = (goal.event, condition.moment);
                 let state_of = |link| Some(self.state_at(link, at));
-                let of = (goal, condition);
-                let distance = self.scene.condition_distance(of, &time_of, &state_of);
+                let distance = self
+                    .scene
+                    .condition_distance(goal, condition, &time_of, &state_of);
                 distance.map_or(f64::INFINITY, |distance| distance.max(0.0))
             }
         };

@@ -105,8 +105,7 @@ fn gap(scene: &Scene, estimate: &Estimate) -> Option<String> {
             GoalTarget::Condition(condition) => {
                 let time_of = |event: usize| times_s.get(event).copied();
                 let state_of = |_| Some(state);
-                let of = (goal, condition);
-                let miss = scene.condition_distance(of, &time_of, &state_of);
+                let miss = scene.condition_distance(goal, condition, &time_of, &state_of);
                 (miss.unwrap_or(f64::INFINITY), 0.0)
             }
         };

@@ -142,9 +142,9 @@ impl<'a> Director<'a> {
         let mut heard: Option<Instant> = None;
         while begun.elapsed() < self.wait {
             if heard.is_none_or(|at| at.elapsed() > REPEAT) {
-                let subscribers =
-                    self.publisher
-                        .control(command, (session, sequence), asked_ns, self.token)?;
+                let subscribers = self
+                    .publisher
+                    .control(command, session, sequence, asked_ns, self.token)?;
                 heard = (subscribers > 0).then(Instant::now);
             }
             while let Some(answer) = self.answers.next()? {

@@ -6,7 +6,7 @@ use super::wider::{Wider, unbounded};
 use crate::estimate::adequacy::score::{Extended, Scores};
 use crate::estimate::context::SolveContext;
 use crate::estimate::recipe::Solution;
-use crate::motion::{FreeParameter, Quantity, Scene, Segment, Sketch, Suspect};
+use crate::motion::{FreeParameter, Performance, Quantity, Suspect};
 use crate::optimise::kkt::Kkt;
 
 /// Least share of the misfit that a suspect would explain by its score, where its probability does not tell it.
@@ -16,10 +16,13 @@ pub(super) const LEAST_SHARE: f64 = 0.1;
 
 /// Those that score high, the one with the greatest gain first.
 pub(in crate::estimate::adequacy) fn scored(
-    (context, solution): (&SolveContext, &Solution),
-    (scene, sketch, segments): (&Scene, &Sketch, &[Segment]),
-    (noise, which): (&Errors, Which),
+    context: &SolveContext,
+    solution: &Solution,
+    performance: Performance,
+    noise: &Errors,
+    which: Which,
 ) -> Vec<Suspect> {
+    let scene = performance.scene;
     let groups = groups(scene, which);
     let mut free: Vec<FreeParameter> = Vec::new();
     for quantity in groups.iter().flatten() {
@@ -27,7 +30,7 @@ pub(in crate::estimate::adequacy) fn scored(
             free.push(unbounded(scene, *quantity));
         }
     }
-    let wider = Wider::new(context, (scene, sketch, segments), free);
+    let wider = Wider::new(context, performance, free);
     let point = wider.point(&solution.point);
     let epochs_s = context.epochs_s.clone();
     let extended = SolveContext::new(&wider.problem, &wider.layout, epochs_s, &point);
@@ -40,7 +43,7 @@ pub(in crate::estimate::adequacy) fn scored(
         point: &point,
         multipliers,
     };
-    let scores = Scores::new(&of, (context, &kkt), noise.bins, wider.first);
+    let scores = Scores::new(&of, context, &kkt, noise.bins, wider.first);
     let cost = solution.system.cost;
     let floor = noise.floor(context);
     let misfit = (cost - floor).max(f64::MIN_POSITIVE);
@@ -55,7 +58,7 @@ pub(in crate::estimate::adequacy) fn scored(
             };
             let indices: Vec<usize> = group.iter().map(at).collect::<Option<_>>()?;
             let lengths: Vec<f64> = group.iter().map(|quantity| quantity.typical()).collect();
-            let scored = scores.of(&indices, &lengths, (noise.white, noise.hands))?;
+            let scored = scores.of(&indices, &lengths, noise.white, noise.hands)?;
             let values = group.iter().zip(&scored.changes).map(|(quantity, change)| {
                 let [lower, upper] = quantity.limits();
                 let given = scene.value_of(*quantity);

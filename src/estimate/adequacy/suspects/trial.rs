@@ -8,7 +8,7 @@ use crate::estimate::adequacy::alone::Alone;
 use crate::estimate::context::SolveContext;
 use crate::estimate::point::Point;
 use crate::estimate::recipe::{self, Recipe, Solution};
-use crate::motion::{Observer, Quantity, Quiet, Scene, Segment, Sketch, Suspect};
+use crate::motion::{Observer, Performance, Quantity, Quiet, Scene, Suspect};
 use crate::optimise::Schedule;
 use crate::optimise::finish::Tolerances;
 
@@ -22,6 +22,13 @@ const UNMOVED: f64 = 1e-6;
 const LOWER: f64 = 0.5;
 
 /// What trials found.
+/// A motion that may not fit, with what its flights are by themselves.
+pub(in crate::estimate::adequacy) struct Solved<'a> {
+    pub(in crate::estimate::adequacy) context: &'a SolveContext<'a>,
+    pub(in crate::estimate::adequacy) solution: &'a Solution,
+    pub(in crate::estimate::adequacy) alone: &'a Alone,
+}
+
 pub(in crate::estimate::adequacy) struct Tried {
     /// The best of what was set free.
     pub(in crate::estimate::adequacy) suspects: Vec<Suspect>,
@@ -32,17 +39,25 @@ pub(in crate::estimate::adequacy) struct Tried {
 /// The best of those that score high, by what they explain when they are set free: where a value is
 /// far off, the score's linear prediction no longer ranks them.
 pub(in crate::estimate::adequacy) fn tried(
-    (context, solution): (&SolveContext, &Solution),
-    (scene, sketch, segments): (&Scene, &Sketch, &[Segment]),
-    (mut scored, noise, alone): (Vec<Suspect>, &Errors, &Alone),
+    solved: &Solved,
+    performance: Performance,
+    mut scored: Vec<Suspect>,
+    noise: &Errors,
     observer: &mut dyn Observer,
 ) -> Tried {
+    let Solved {
+        context,
+        solution,
+        alone,
+    } = *solved;
+    let scene = performance.scene;
     scored.truncate(TRIED);
     let of_unknown_times = context.problem.times_are_unknown();
     scored.extend(unscored(
         scene,
         &scored,
-        (noise.is_unlikely, of_unknown_times),
+        noise.is_unlikely,
+        of_unknown_times,
     ));
     let cost = solution.system.cost;
     let mut lowest: Option<(f64, Point)> = None;
@@ -52,7 +67,7 @@ pub(in crate::estimate::adequacy) fn tried(
         }
         let values = suspect.values.iter();
         let free = values.map(|(quantity, value)| scene.freed(*quantity, *value));
-        let wider = Wider::new(context, (scene, sketch, segments), free.collect());
+        let wider = Wider::new(context, performance, free.collect());
         // The flights by themselves are near the motion where the value is far off.
         let trial = Recipe::of(trial());
         let starts = [
@@ -60,11 +75,11 @@ pub(in crate::estimate::adequacy) fn tried(
             (&solution.point, trial.from_the_last()),
         ];
         let found = starts.into_iter().find_map(|(start, recipe)| {
-            let from = (wider.point(start), context.epochs_s.clone());
             let found = recipe::solve_from(
                 &wider.problem,
                 &wider.layout,
-                from,
+                wider.point(start),
+                context.epochs_s.clone(),
                 &recipe,
                 &mut Quiet(observer),
             );
@@ -144,7 +159,8 @@ fn trial() -> Schedule {
 fn unscored(
     scene: &Scene,
     scored: &[Suspect],
-    (is_unlikely, of_unknown_times): (bool, bool),
+    is_unlikely: bool,
+    of_unknown_times: bool,
 ) -> Vec<Suspect> {
     let has_scored = |is_it: &dyn Fn(Quantity) -> bool| {
         let is_it = |suspect: &&Suspect| suspect.values.iter().any(|(q, _)| is_it(*q));

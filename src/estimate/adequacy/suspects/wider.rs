@@ -4,7 +4,7 @@ use crate::estimate::context::SolveContext;
 use crate::estimate::layout::Layout;
 use crate::estimate::point::Point;
 use crate::estimate::problem::Problem;
-use crate::motion::{FreeParameter, Quantity, Scene, Segment, Sketch};
+use crate::motion::{FreeParameter, Performance, Quantity, Scene};
 
 /// A problem with more parameters than that of a solution.
 pub(in crate::estimate::adequacy) struct Wider {
@@ -28,17 +28,17 @@ pub(in crate::estimate::adequacy) fn unbounded(scene: &Scene, quantity: Quantity
 impl Wider {
     pub(in crate::estimate::adequacy) fn new(
         context: &SolveContext,
-        (scene, sketch, segments): (&Scene, &Sketch, &[Segment]),
+        performance: Performance,
         added: Vec<FreeParameter>,
     ) -> Self {
-        let mut wider = scene.clone();
+        let mut wider = performance.scene.clone();
         wider.parameters.extend(added.iter().cloned());
-        let mut problem = Problem::new(&wider, sketch, segments);
+        let mut problem = Problem::new(&wider, performance.sketch, performance.segments);
         problem.velocity_gap_weight = context.problem.velocity_gap_weight;
         Self {
             layout: Layout::new(&problem),
             problem,
-            first: scene.parameters.len(),
+            first: performance.scene.parameters.len(),
             added,
         }
     }

@@ -17,7 +17,7 @@ pub(super) struct TouchedPoint {
 }
 
 impl TouchedPoint {
-    pub(super) fn new((contact, touched): (&Contact, &Touched), states: &[State]) -> Option<Self> {
+    pub(super) fn new(contact: &Contact, touched: &Touched, states: &[State]) -> Option<Self> {
         let frame = |index: usize| states.get(index).map_or_else(Frame::world, Frame::of);
         let other = 1 - touched.side;
         let [a, b] = if touched.side == 0 {

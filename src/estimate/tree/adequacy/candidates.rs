@@ -57,9 +57,12 @@ pub(super) fn candidates(
 /// other use. `None` where a motion near by is none.
 pub(super) fn change(
     scene: &Scene,
-    (problem, point): (&TreeProblem, &TreePoint),
+    problem: &TreeProblem,
+    point: &TreePoint,
     active: &ActiveSet,
-    (quantity, value, step): (Quantity, f64, f64),
+    quantity: Quantity,
+    value: f64,
+    step: f64,
 ) -> Option<Change> {
     let [lower, upper] = quantity.limits();
     let [before, after] = [-step, step].map(|by| (value + by).clamp(lower, upper));

@@ -24,8 +24,9 @@ impl<'s> Certainty<'s> {
     /// At a solution; `None` where something there is no number.
     pub(in crate::estimate::tree) fn new(of: Linearised<'s>) -> Option<Self> {
         let information = of.problem.information.0;
-        let columns = (&[][..], &of.linear.residuals);
-        let left = of.errors.left(&of.held.free, columns, information);
+        let left = of
+            .errors
+            .left(&of.held.free, &[][..], &of.linear.residuals, information);
         let mut square = of.held.free.tr_mul(&of.held.free);
         calm(&mut square, information);
         let factor = square.cholesky()?;

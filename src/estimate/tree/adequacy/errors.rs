@@ -142,7 +142,8 @@ impl Errors {
     pub(super) fn left(
         &self,
         free: &DMatrix<f64>,
-        (columns, residuals): (&[DVector<f64>], &DVector<f64>),
+        columns: &[DVector<f64>],
+        residuals: &DVector<f64>,
         information: f64,
     ) -> Vec<Left> {
         let mut all = free.clone();

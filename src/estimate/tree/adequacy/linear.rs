@@ -84,7 +84,7 @@ impl Linear {
         point: &TreePoint,
         active: &ActiveSet,
     ) -> Option<Self> {
-        Self::of((problem, point), active, true)
+        Self::of(problem, point, active, true)
     }
 
     /// The same where `J` and `C` are not asked for: they are zero.
@@ -93,11 +93,12 @@ impl Linear {
         point: &TreePoint,
         active: &ActiveSet,
     ) -> Option<Self> {
-        Self::of((problem, point), active, false)
+        Self::of(problem, point, active, false)
     }
 
     fn of(
-        (problem, point): (&TreeProblem, &TreePoint),
+        problem: &TreeProblem,
+        point: &TreePoint,
         active: &ActiveSet,
         has_derivatives: bool,
     ) -> Option<Self> {
@@ -132,7 +133,7 @@ impl Linear {
             }
         };
         let whole = Part::whole();
-        program.evaluate_each((&whole, point), has_derivatives, &mut system, &mut each);
+        program.evaluate_each(&whole, point, has_derivatives, &mut system, &mut each);
         for (value, by) in priors(problem, point) {
             let mut row = DVector::zeros(size);
             for (unknown, by) in by {

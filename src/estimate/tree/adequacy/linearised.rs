@@ -44,9 +44,13 @@ impl<'s> Linearised<'s> {
 
     /// Logarithm of the likelihood of the samples, over all models of their errors; `None` where there is none.
     pub(in crate::estimate::tree) fn evidence(&self) -> Option<f64> {
-        let columns = (&[][..], &self.linear.residuals);
         let information = self.problem.information.0;
-        let left = self.errors.left(&self.held.free, columns, information);
+        let left = self.errors.left(
+            &self.held.free,
+            &[][..],
+            &self.linear.residuals,
+            information,
+        );
         (!left.is_empty()).then(|| odds::evidence(&left))
     }
 }

@@ -20,7 +20,7 @@ pub(super) fn of_wander(left: &[Left]) -> f64 {
 
 /// Logarithm of the likelihood where a column's quantity is wrong by `off` and by what the slope says beyond it, given
 /// its typical change.
-pub(super) fn evidence_if_wrong(left: &[Left], column: usize, (typical, off): (f64, f64)) -> f64 {
+pub(super) fn evidence_if_wrong(left: &[Left], column: usize, typical: f64, off: f64) -> f64 {
     log_sum(left.iter().map(|of| {
         let last = of.products.ncols() - 1;
         let prior = typical.powi(-2);

@@ -153,8 +153,16 @@ fn changes_by_quantities_are_those_of_extrapolated_differences() {
     for quantity in all {
         let typical = quantity.typical();
         let value = scene.value_of(quantity);
-        let moved = (quantity, value, STEP * typical);
-        let given = change(&scene, (&problem, &point), &active, moved).expect("a motion");
+        let given = change(
+            &scene,
+            &problem,
+            &point,
+            &active,
+            quantity,
+            value,
+            STEP * typical,
+        )
+        .expect("a motion");
         let given: Vec<f64> = given.residuals.iter().chain(&given.rows).copied().collect();
         let at = |by: &[f64]| {
             let with = problem.with(&scene, (quantity, value + by[0] * typical));
@@ -208,9 +216,12 @@ fn a_linearised_motion_is_what_the_program_evaluates() {
     let quantity = candidates(&scene, joined, &problem)[2];
     let by = change(
         &scene,
-        (&problem, &point),
+        &problem,
+        &point,
         &active,
-        (quantity, scene.value_of(quantity), 1e-5),
+        quantity,
+        scene.value_of(quantity),
+        1e-5,
     );
     let by = by.expect("a motion");
     assert!(by.rows.amax() > 1.0, "{}", by.rows);

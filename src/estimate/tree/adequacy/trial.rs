@@ -29,7 +29,8 @@ pub(super) struct Tried {
 /// Moves motion and quantity to where both fit best; `None` where that leads to no motion.
 pub(super) fn tried(
     scene: &Scene,
-    (problem, point): (&TreeProblem, &TreePoint),
+    problem: &TreeProblem,
+    point: &TreePoint,
     active: &ActiveSet,
     quantity: Quantity,
 ) -> Option<Tried> {
@@ -43,7 +44,7 @@ pub(super) fn tried(
     let mut point = point.clone();
     let mut value = scene.value_of(quantity);
     let mut linear = Linear::new(problem, &point, active)?;
-    let mut by = change(scene, (problem, &point), active, (quantity, value, step))?;
+    let mut by = change(scene, problem, &point, active, quantity, value, step)?;
     for _ in 0..STEPS {
         let (delta, off) = linear.step(&by, information.0)?;
         let mut gain = 0.0;
@@ -66,7 +67,7 @@ pub(super) fn tried(
             share *= 0.5;
         }
         if gain > 0.0 {
-            by = change(scene, (problem, &point), active, (quantity, value, step))?;
+            by = change(scene, problem, &point, active, quantity, value, step)?;
         }
         if gain < GAIN {
             break;

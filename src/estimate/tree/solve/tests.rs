@@ -44,7 +44,8 @@ fn long() -> (TreeProblem, TreePoint) {
     let program = TreeProgram::new(&problem, point.clone());
     let mut system = program.evaluated(&Part::whole(), &point);
     program.evaluate_each(
-        (&Part::whole(), &point),
+        &Part::whole(),
+        &point,
         false,
         &mut system,
         &mut |_, of: &Residual| {

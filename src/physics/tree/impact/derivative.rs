@@ -67,14 +67,13 @@ impl ForestSnapshot<'_> {
     ) -> Result<TreeImpactDerivative, ImpactError> {
         let freedoms = self.forest.freedoms();
         let trees = self.moves(solved);
-        let moved = (0..solved.met.len()).map(|at| self.moved((solved, at), (of, state), &trees));
+        let moved = (0..solved.met.len()).map(|at| self.moved(solved, at, of, state, &trees));
         let moved: Vec<Moved> = moved.collect::<Result<_, ImpactError>>()?;
-        let response = |impulses: &DVector<f64>| response(solved, (&trees, &moved), impulses);
+        let response = |impulses: &DVector<f64>| response(solved, &trees, &moved, impulses);
         let own = response(&solved.impulses_n_s);
         let tried = solved.rule.tried(&solved.met);
         let tried: Vec<_> = tried.iter().map(response).collect();
         let (met, jacobian) = (&solved.met, &solved.jacobian);
-        let with_law = (met.as_slice(), &solved.delassus);
         let mut speeds = vec![DVector::zeros(2 * freedoms); met.len()];
         let mut after = DMatrix::zeros(freedoms, 2 * freedoms);
         for column in 0..freedoms {
@@ -92,7 +91,9 @@ impl ForestSnapshot<'_> {
                 stacked(steady.iter().map(|of| of[column])) + by_rates
             });
             let tried: Vec<DVector<f64>> = tried.collect();
-            let impulses = solved.rule.change(with_law, &by, &tried);
+            let impulses = solved
+                .rule
+                .change(met.as_slice(), &solved.delassus, &by, &tried);
             let mut to = after.column_mut(column);
             to.copy_from(&own.1.column(column));
             to += &solved.response * impulses;
@@ -130,8 +131,10 @@ impl ForestSnapshot<'_> {
 
     fn moved<'m>(
         &self,
-        (solved, contact): (&Solved, usize),
-        (of, state): (&LinkContact, &TreeState),
+        solved: &Solved,
+        contact: usize,
+        of: &LinkContact,
+        state: &TreeState,
         trees: &'m [Moves<'m>],
     ) -> Result<Moved<'m>, ImpactError> {
         let freedoms = self.forest.freedoms();
@@ -161,7 +164,7 @@ impl ForestSnapshot<'_> {
             let (tree, link) = self.forest.tree_of(side.place);
             let moves = trees.iter().find(|of| of.tree == tree);
             let moves = moves.expect("all trees of the sides");
-            (side.sign, Point::new(moves, (link, &side.point_m), slides))
+            (side.sign, Point::new(moves, link, &side.point_m, slides))
         });
         let points: Vec<(f64, Point)> = points.collect();
         Ok(Moved {
@@ -185,7 +188,7 @@ impl ForestSnapshot<'_> {
         }
         let trees = trees.into_iter();
         trees
-            .map(|tree| Moves::new(&self.trees[tree], (tree, self.forest.rates_of(tree))))
+            .map(|tree| Moves::new(&self.trees[tree], tree, self.forest.rates_of(tree)))
             .collect()
     }
 }
@@ -196,7 +199,6 @@ impl Solved {
         let met = &self.met;
         let normals: Option<Vec<_>> = met.iter().map(|met| met.normal_by_tilt).collect();
         let normals = normals?;
-        let with_law = (met.as_slice(), &self.delassus);
         let steady = vec![DVector::zeros(3 * met.len()); tried];
         let columns = [0, 1].map(|tilt| {
             let by = normals.iter().map(|normals| MetChange {
@@ -204,7 +206,10 @@ impl Solved {
                 velocity: Vector3::zeros(),
             });
             let by: Vec<MetChange> = by.collect();
-            &self.response * self.rule.change(with_law, &by, &steady)
+            &self.response
+                * self
+                    .rule
+                    .change(met.as_slice(), &self.delassus, &by, &steady)
         });
         Some(DMatrix::from_columns(&columns))
     }
@@ -234,7 +239,8 @@ fn sum(
 /// `δ(J) w` of each contact and `δw` of `w = M⁻¹ Jᵀ p` by each coordinate.
 fn response(
     solved: &Solved,
-    (trees, moved): (&[Moves], &[Moved]),
+    trees: &[Moves],
+    moved: &[Moved],
     impulses: &DVector<f64>,
 ) -> (Vec<Vec<Vector3<f64>>>, DMatrix<f64>) {
     let rates = &solved.response * impulses;

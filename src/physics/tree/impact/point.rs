@@ -50,7 +50,7 @@ pub(super) struct Point<'a> {
 }
 
 impl<'a> Moves<'a> {
-    pub(super) fn new(snapshot: &'a Snapshot<'a>, (tree, rates): (usize, Range<usize>)) -> Self {
+    pub(super) fn new(snapshot: &'a Snapshot<'a>, tree: usize, rates: Range<usize>) -> Self {
         let of = snapshot.tree;
         let translations = (0..of.shift()).map(|axis| Column {
             axis: Motion {
@@ -195,7 +195,8 @@ impl<'a> Point<'a> {
     /// the forest.
     pub(super) fn new(
         moves: &'a Moves<'a>,
-        (link, on_link_m): (usize, &Vector3<f64>),
+        link: usize,
+        on_link_m: &Vector3<f64>,
         slides: &DMatrix<f64>,
     ) -> Self {
         let snapshot = moves.snapshot;

@@ -93,7 +93,8 @@ impl Rule {
     /// as they are in the world.
     pub(super) fn change(
         &self,
-        (met, delassus): (&[Met], &DMatrix<f64>),
+        met: &[Met],
+        delassus: &DMatrix<f64>,
         by: &[MetChange],
         responses: &[DVector<f64>],
     ) -> DVector<f64> {

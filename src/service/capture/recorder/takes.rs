@@ -41,7 +41,8 @@ impl Recorder {
             scene,
             toml,
             &self.topics,
-            (&self.settings, &|stream| state.preroll.before(stream)),
+            &self.settings,
+            &|stream| state.preroll.before(stream),
         ) {
             Ok(mut take) => {
                 (state.followed, state.is_over) = (Some(0), false);

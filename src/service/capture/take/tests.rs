@@ -19,7 +19,8 @@ fn take(folder: &Path, capture: &str) -> (Take, CaptureSettings) {
         &scene,
         text.as_bytes(),
         &topics,
-        (&settings, &|_| None),
+        &settings,
+        &|_| None,
     );
     (take.expect("begun"), settings)
 }

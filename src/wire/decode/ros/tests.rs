@@ -53,8 +53,13 @@ fn decoded(message: RosPose, data: &[u8]) -> Vec<FramedPose> {
 }
 
 fn expected(parent: &str, child: &str, stamp: Option<Stamp>) -> FramedPose {
-    let frames = (parent.to_owned(), child.to_owned());
-    FramedPose::new(frames, stamp, SEVEN.0.into(), SEVEN.1)
+    FramedPose::new(
+        parent.to_owned(),
+        child.to_owned(),
+        stamp,
+        SEVEN.0.into(),
+        SEVEN.1,
+    )
 }
 
 #[test]

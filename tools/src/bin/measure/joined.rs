@@ -128,7 +128,7 @@ pub fn from_state(
     let (sketch, _) = clean(scene, events).ok()?;
     let problem = TreeProblem::new(scene, &sketch);
     let solved = solved(&problem, &[(1.0, start)], observer);
-    Some(estimate((scene, &sketch), (&solved, Told::Whole), observer))
+    Some(estimate(scene, &sketch, &solved, Told::Whole, observer))
 }
 
 fn kinds() -> Vec<(String, Kind)> {

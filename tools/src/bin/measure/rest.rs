@@ -168,9 +168,14 @@ fn rolled_of(seed: u64, acting: &Acting, stamps: &str, goal: &str) -> Option<Rol
 
 /// Whether the last pose that is exported has that axis up.
 fn is_shown(outcome: &Outcome, face: &str) -> bool {
-    let of = (&outcome.scene, &outcome.sketch);
     let settled = outcome.settled.as_ref();
-    let Ok(motion) = SampledMotion::new(of, &outcome.estimate, settled, 240.0) else {
+    let Ok(motion) = SampledMotion::new(
+        &outcome.scene,
+        &outcome.sketch,
+        &outcome.estimate,
+        settled,
+        240.0,
+    ) else {
         return false;
     };
     let Some(last) = motion.estimates[LinkIndex(0)].last() else {

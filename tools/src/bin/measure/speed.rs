@@ -169,7 +169,7 @@ impl<'a> Timed<'a> {
         each_s(|| {
             context.evaluate(&guidance, black_box(&self.point), &mut system);
             let kkt = Kkt::new(&context, &system, &multipliers);
-            black_box(kkt.map(|kkt| kkt.step(context.structure(), (&system, None))));
+            black_box(kkt.map(|kkt| kkt.step(context.structure(), &system, None)));
         })
     }
 

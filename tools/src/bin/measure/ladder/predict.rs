@@ -122,14 +122,13 @@ pub fn deviations(outcome: &Outcome, stamps: &[Stamp]) -> Option<Deviations> {
         parameters: values(outcome),
     };
     let epochs_s: Vec<f64> = estimate.arcs.iter().map(|arc| arc.epoch_s).collect();
-    let from = (point, epochs_s.clone());
     let recipe = Recipe::default().from_the_last();
-    let solution = recipe::solve_from(&problem, &layout, from, &recipe, &mut ());
+    let solution = recipe::solve_from(&problem, &layout, point, epochs_s.clone(), &recipe, &mut ());
     let (point, system) = (&solution.point, &solution.system);
     let context = SolveContext::new(&problem, &layout, epochs_s, point);
     let residuals = errors(&problem, &context, point);
     let mut covariance =
-        Covariance::new(&context, (point, system), &solution.multipliers, &residuals)?;
+        Covariance::new(&context, point, system, &solution.multipliers, &residuals)?;
     let is_bounded = estimate.parameters.iter().any(|p| p.at_bound.is_some());
     let moments = moments(outcome, (&problem, &layout), stamps)?;
     let sds = |covariance: &Covariance| -> Vec<[Option<f64>; 6]> {
