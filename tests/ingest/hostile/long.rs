@@ -99,12 +99,14 @@ fn as_many_samples_as_there_may_be_are_worked_through() {
         with(GRAVITY, &["--topic", TOPIC, "--from", "0.1", "--to", "99"]),
         with(REST, &["--topic", TOPIC]),
     ];
-    for (name, motion) in MOTIONS {
+    for (number, (name, motion)) in MOTIONS.into_iter().enumerate() {
         println!("{name}");
         let bytes = recording(motion);
-        let is_first = name == MOTIONS[0].0;
-        let both = plain.iter().filter(|_| is_first).chain(&commands);
-        for command in both {
+        // Every command meets two of the motions.
+        let chosen = commands.iter().enumerate();
+        let chosen = chosen.filter(|(at, _)| (at + number) % (MOTIONS.len() / 2) == 0);
+        let plain = plain.iter().filter(|_| number == 0);
+        for command in plain.chain(chosen.map(|(_, command)| command)) {
             cost("take.mcap", &bytes, command);
         }
     }
