@@ -102,24 +102,19 @@
 
 #![forbid(unsafe_code)]
 
-pub mod calibrate;
+pub use enact_core::{
+    calibrate, config, estimate, initialise, math, motion, optimise, physics, pipeline, segment,
+    settle, verify,
+};
+
 pub mod cli;
-pub mod config;
-pub mod estimate;
+#[cfg(test)]
+mod fixture;
 pub mod ingest;
-pub mod initialise;
-pub mod math;
-pub mod motion;
-pub mod optimise;
 pub mod page;
-pub mod physics;
-pub mod pipeline;
 pub mod report;
 pub mod sampling;
-pub mod segment;
 pub mod service;
-pub mod settle;
-pub mod verify;
 pub mod visual;
 pub mod wire;
 pub mod write;

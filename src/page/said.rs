@@ -303,8 +303,8 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fixture::{FIRST_NS, counts, estimate, scene, sketch};
     use crate::motion::Stamp;
-    use crate::motion::fixture::{FIRST_NS, counts, estimate, scene, sketch};
     use crate::report::{EstimateMessage, Reported, json};
 
     #[test]

@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 
 use super::*;
+use crate::fixture::{FIRST_NS, counts, estimate, scene, sketch};
 use crate::motion::PoseSample;
-use crate::motion::fixture::{FIRST_NS, counts, estimate, scene, sketch};
 use crate::motion::{LinkIndex, Scene, Stamp};
 use crate::report::{EstimateMessage, ExportProvenance, Reported, json};
 use crate::sampling::{SampledMotion, stamp};

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::*;
-use crate::motion::fixture::{FIRST_NS, counts, estimate, scene, sketch};
+use crate::fixture::{FIRST_NS, counts, estimate, scene, sketch};
 use crate::motion::{End, Measured, MechanismIndex, Progress, Reason, Stamp};
 
 #[test]

@@ -91,7 +91,7 @@ mod tests {
     use typed_index_collections::TiVec;
 
     use super::*;
-    use crate::motion::fixture::scene;
+    use crate::fixture::scene;
     use crate::motion::{Stamp, Surface};
     use crate::physics::contact::Feature;
 

@@ -147,7 +147,7 @@ fn cuboid(sides_m: &Vector3<f64>) -> Shape {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion::fixture::scene;
+    use crate::fixture::scene;
     use crate::motion::{BodyPoint, Condition, Moment};
     use crate::visual::patches;
     use typed_index_collections::TiSlice;

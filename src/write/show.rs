@@ -191,7 +191,8 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::motion::{SampleCounts, fixture};
+    use crate::fixture;
+    use crate::motion::SampleCounts;
 
     #[test]
     fn a_motion_is_played_from_its_beginning_to_its_end_and_stands_there() {

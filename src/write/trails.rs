@@ -145,7 +145,7 @@ mod tests {
     use foxglove::messages::{Point3, SceneUpdate};
 
     use super::*;
-    use crate::motion::fixture::{estimate, scene, sketch};
+    use crate::fixture::{estimate, scene, sketch};
     use crate::visual::patches;
 
     #[test]

@@ -266,8 +266,8 @@ fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fixture::scene;
     use crate::motion::LinkIndex;
-    use crate::motion::fixture::scene;
 
     #[test]
     fn a_body_that_is_given_elsewhere_has_its_mass_and_shape_where_they_are() {

@@ -12,6 +12,7 @@ use std::path::Path;
 mod circles;
 mod dialect;
 mod opens;
+mod skips;
 mod tokens;
 mod uses;
 
@@ -126,9 +127,9 @@ const NOT_IN_CORE: &[&[&str]] = &[
 
 /// Third parties, each with the only places that may name it.
 const DOORS: &[(&str, &[&str])] = &[
-    ("parry3d", &["src/physics/shape/"]),
-    ("rapier3d", &["src/settle.rs", "src/settle/"]),
-    ("clarabel", &["src/optimise/"]),
+    ("parry3d", &["src/core/physics/shape/"]),
+    ("rapier3d", &["src/core/settle.rs", "src/core/settle/"]),
+    ("clarabel", &["src/core/optimise/"]),
     ("cdr", &["src/wire/"]),
     ("lz4", &["src/wire/container/"]),
     ("zstd", &["src/wire/container/"]),
@@ -145,14 +146,14 @@ const DOORS: &[(&str, &[&str])] = &[
     ("tokio", &["src/service/capture/"]),
     ("tokio_tungstenite", &["src/service/capture/viewer/"]),
     ("rustix", &["src/service/"]),
-    ("roxmltree", &["src/config/urdf/"]),
+    ("roxmltree", &["src/core/config/urdf/"]),
     // The writer of glTF has a module of that name.
-    ("gltf", &["src/config/mesh/", "src/write/export/"]),
-    ("stl_io", &["src/config/mesh/"]),
-    ("tobj", &["src/config/mesh/"]),
-    ("schemars", &["src/config/"]),
-    ("toml", &["src/config/", "src/wire/live/census.rs"]),
-    ("toml_edit", &["src/config/"]),
+    ("gltf", &["src/core/config/mesh/", "src/write/export/"]),
+    ("stl_io", &["src/core/config/mesh/"]),
+    ("tobj", &["src/core/config/mesh/"]),
+    ("schemars", &["src/core/config/"]),
+    ("toml", &["src/core/config/", "src/wire/live/census.rs"]),
+    ("toml_edit", &["src/core/config/"]),
     ("clap", &["src/cli/"]),
     ("clap_complete", &["src/cli/"]),
     ("rayon", &["src/service/"]),
@@ -166,8 +167,8 @@ const NO_UNWRAP: &[&str] = &["ingest", "wire", "config"];
 
 /// Its files that say `expect`, how often, and why nothing from outside can make it fail.
 const EXPECTS: &[(&str, usize, &str)] = &[
-    ("src/config/body.rs", 1, "the numbers were checked"),
-    ("src/config/unit.rs", 1, "every quantity has a unit"),
+    ("src/core/config/body.rs", 1, "the numbers were checked"),
+    ("src/core/config/unit.rs", 1, "every quantity has a unit"),
     ("src/wire/encode.rs", 2, "it encodes what is ours"),
     ("src/wire/ros2.rs", 2, "it encodes what is ours"),
     (
@@ -177,25 +178,29 @@ const EXPECTS: &[(&str, usize, &str)] = &[
     ),
 ];
 
-/// How a test would say that it does not run, but to `tests/support/skip.rs`.
-const SKIPS: &[&str] = &["\"skipped", "\"not tested"];
-
 struct File {
     /// From the crate's root, with slashes.
     path: String,
     text: String,
 }
 
-/// `src/motion/scene.rs` → `motion`, `src/pipeline.rs` → `pipeline`.
+/// The path within its crate.
+fn inside(path: &str) -> &str {
+    let of_core = path.strip_prefix("src/core/");
+    let inside = of_core.or_else(|| path.strip_prefix("src/"));
+    inside.unwrap_or(path)
+}
+
+/// `src/core/motion/scene.rs` → `motion`, `src/core/pipeline.rs` → `pipeline`.
 fn room(path: &str) -> &str {
-    let inside = path.strip_prefix("src/").unwrap_or(path);
+    let inside = inside(path);
     let first = inside.split('/').next().unwrap_or_default();
     first.strip_suffix(".rs").unwrap_or(first)
 }
 
 /// How many `super::` lead from the file's module to the crate's root.
 fn depth(path: &str) -> usize {
-    let inside = path.strip_prefix("src/").unwrap_or(path);
+    let inside = inside(path);
     let parts = inside.split('/').count();
     match inside.rsplit('/').next() {
         Some("mod.rs") => parts - 1,
@@ -222,7 +227,7 @@ fn violations(files: &[File]) -> Vec<String> {
         if lines > LINES {
             found.push(format!("{}: {lines} lines, at most {LINES}", file.path));
         }
-        check_skips(file, &mut found);
+        skips::check(file, &mut found);
         if !file.path.starts_with("src/") || is_test(&file.path) {
             continue;
         }
@@ -264,21 +269,6 @@ fn check_unwraps(file: &File, code: &[Token], found: &mut Vec<String>) {
             lines.collect::<Vec<_>>().join(", "),
             expects.len()
         ));
-    }
-}
-
-/// Skips that nobody counts.
-fn check_skips(file: &File, found: &mut Vec<String>) {
-    if file.path.starts_with("tests/support/")
-        || !file.path.contains("test")
-        || file.path == "tests/house/tidy.rs"
-    {
-        return;
-    }
-    for (index, line) in file.text.lines().enumerate() {
-        if SKIPS.iter().any(|said| line.contains(said)) {
-            found.push(format!("{}:{}: an uncounted skip", file.path, index + 1));
-        }
     }
 }
 
@@ -525,17 +515,17 @@ fn of(path: &str, text: &str) -> Vec<String> {
 fn planted_violations_are_caught() {
     for (path, text, complaint) in [
         (
-            "src/math/so3.rs",
+            "src/core/math/so3.rs",
             "use crate::physics::State;",
             "math imports physics",
         ),
         (
-            "src/estimate/sqp.rs",
+            "src/core/estimate/sqp.rs",
             "use crate::{math::Pose, segment::clean, motion};",
             "estimate imports segment",
         ),
         (
-            "src/estimate/sqp.rs",
+            "src/core/estimate/sqp.rs",
             "fn f() { crate::verify::check(); }",
             "estimate imports verify",
         ),
@@ -547,7 +537,7 @@ fn planted_violations_are_caught() {
         ("src/main.rs", "use enact::wire;", "main imports wire"),
         ("src/attic/old.rs", "", "without a row in the table"),
         (
-            "src/verify/solid.rs",
+            "src/core/verify/solid.rs",
             "use parry3d::query;",
             "parry3d outside",
         ),
@@ -557,29 +547,29 @@ fn planted_violations_are_caught() {
             "mcap outside",
         ),
         (
-            "src/segment/cut.rs",
+            "src/core/segment/cut.rs",
             "use clarabel::solver as s;",
             "clarabel outside",
         ),
         ("src/write/ros.rs", "use cdr;", "cdr outside"),
         ("src/wire/pose.rs", "use anyhow::bail;", "anyhow outside"),
         (
-            "src/pipeline.rs",
+            "src/core/pipeline.rs",
             "use std::time::Instant;",
             "Instant in the core",
         ),
         (
-            "src/estimate/sqp.rs",
+            "src/core/estimate/sqp.rs",
             "fn f() { println!(\"{}\", 1); }",
             "println! in the core",
         ),
         (
-            "src/segment/cut.rs",
+            "src/core/segment/cut.rs",
             "fn f() { std::fs::read(\"x\"); }",
             "std::fs in the core",
         ),
         (
-            "src/segment/cut.rs",
+            "src/core/segment/cut.rs",
             "type T = std::collections::HashMap<u8, u8>;",
             "HashMap in the core",
         ),
@@ -589,27 +579,27 @@ fn planted_violations_are_caught() {
             "fs::read past the door",
         ),
         (
-            "src/motion/mod.rs",
+            "src/core/motion/mod.rs",
             "//! Prose.\npub mod a;\npub use a::B;\nfn f() {}",
             "mod.rs:4: code in mod.rs",
         ),
         (
-            "src/motion/mod.rs",
+            "src/core/motion/mod.rs",
             "mod a { pub fn f() {} }",
             "code in mod.rs",
         ),
         (
-            "src/config/raw.rs",
+            "src/core/config/raw.rs",
             "fn f() { g().unwrap(); }",
             "raw.rs:1: unwrap()",
         ),
         (
-            "src/config/raw.rs",
+            "src/core/config/raw.rs",
             "#[cfg(test)]\nmod tests { fn f() {} }\nfn f() { g().unwrap(); }",
             "raw.rs:3: unwrap()",
         ),
         (
-            "src/config/raw.rs",
+            "src/core/config/raw.rs",
             "fn f() {\n g().expect(\"x\"); }",
             "raw.rs:2: 1 expect(), 0 in the table",
         ),
@@ -619,32 +609,32 @@ fn planted_violations_are_caught() {
             "encode.rs:: 0 expect(), 2 in the table",
         ),
         (
-            "src/segment/cut.rs",
+            "src/core/segment/cut.rs",
             "use std::{\n collections::BTreeMap,\n fs,\n};",
             "cut.rs:3: std::fs in the core",
         ),
         (
-            "src/segment/cut.rs",
+            "src/core/segment/cut.rs",
             "use std::{io::{self}, thread::{self as t, sleep}};",
             "std::thread in the core",
         ),
         (
-            "src/segment/cut.rs",
+            "src/core/segment/cut.rs",
             "use {crate::math::Pose, std::{env as e}};",
             "std::env in the core",
         ),
         (
-            "src/segment/cut.rs",
+            "src/core/segment/cut.rs",
             "use std as s;",
             "std under another name",
         ),
         (
-            "src/segment/cut.rs",
+            "src/core/segment/cut.rs",
             "use std::{self as s};",
             "std under another name",
         ),
         (
-            "src/segment/cut.rs",
+            "src/core/segment/cut.rs",
             "use std::*;",
             "std under another name",
         ),
@@ -694,38 +684,38 @@ fn planted_violations_are_caught() {
 fn what_is_allowed_is_not_caught() {
     for (path, text) in [
         (
-            "src/estimate/sqp.rs",
+            "src/core/estimate/sqp.rs",
             "use crate::{math::{so3, Pose}, motion::Scene};\nuse super::grid;",
         ),
         (
-            "src/estimate/sqp.rs",
+            "src/core/estimate/sqp.rs",
             "// crate::segment\n/* println! /* std::fs */ Instant */ fn f() -> &'static str { \"crate::wire println!\" }",
         ),
         (
-            "src/estimate/sqp.rs",
+            "src/core/estimate/sqp.rs",
             "fn f() { g(r#\"std::fs \"quoted\" \"#, '\"', b'\\''); }",
         ),
         (
-            "src/estimate/sqp.rs",
+            "src/core/estimate/sqp.rs",
             "#[cfg(test)]\nmod tests { use crate::config::scene_from_toml; use std::time::Instant; }",
         ),
         (
-            "src/config/raw.rs",
+            "src/core/config/raw.rs",
             "#[cfg(test)]\nfn f() { g().unwrap(); }",
         ),
         ("src/write/error.rs", "fn f() { WriteError::mcap(path); }"),
         ("src/service/job.rs", "fn f(mcap: u8) { self.mcap(mcap) }"),
         (
-            "src/motion/mod.rs",
+            "src/core/motion/mod.rs",
             "#![warn(x)]\n//! Prose.\n#[cfg(test)]\nmod tests;\npub(crate) mod a;\npub use a::{B, C};",
         ),
         ("src/main.rs", "fn main() { enact::cli::run(); }"),
         (
-            "src/segment/cut.rs",
+            "src/core/segment/cut.rs",
             "use std::{cmp, collections::BTreeMap as Map};\nuse super::*;\nuse crate::motion::fs;\npub use self::a::*;",
         ),
         (
-            "src/segment/cut.rs",
+            "src/core/segment/cut.rs",
             "fn f<'a>(x: &'a [u8]) -> impl Fn() + use<'a> { || <A>::cdr::f(B::mcap::g(x)) }",
         ),
     ] {
@@ -733,11 +723,11 @@ fn what_is_allowed_is_not_caught() {
     }
     let split = [
         File {
-            path: "src/segment/clean.rs".into(),
+            path: "src/core/segment/clean.rs".into(),
             text: "#[cfg(test)]\nmod tests;".into(),
         },
         File {
-            path: "src/segment/clean/tests.rs".into(),
+            path: "src/core/segment/clean/tests.rs".into(),
             text: "use crate::config::scene_from_toml;".into(),
         },
     ];
@@ -754,38 +744,41 @@ fn planted_circles_are_caught() {
         });
         violations(&files.collect::<Vec<_>>())
     };
-    let circle = "src/motion/a.rs, src/motion/b.rs: import each other";
+    let circle = "src/core/motion/a.rs, src/core/motion/b.rs: import each other";
     // By name, through what the room hands on, and through a third; from a module to its own parts.
     let two = [
-        ("src/motion/a.rs", "use super::b::B;"),
-        ("src/motion/b.rs", "use crate::motion::a::A;"),
+        ("src/core/motion/a.rs", "use super::b::B;"),
+        ("src/core/motion/b.rs", "use crate::motion::a::A;"),
     ];
     assert_eq!(house(&two), [circle]);
     let handed_on = [
         (
-            "src/motion/mod.rs",
+            "src/core/motion/mod.rs",
             "mod a;\nmod b;\npub use self::a::A;\npub use b::{B as C, D};",
         ),
-        ("src/motion/a.rs", "use super::C;"),
-        ("src/motion/b.rs", "use super::A;"),
+        ("src/core/motion/a.rs", "use super::C;"),
+        ("src/core/motion/b.rs", "use super::A;"),
     ];
     assert_eq!(house(&handed_on), [circle]);
     let three = [
-        ("src/motion/a.rs", "use super::b::B;"),
-        ("src/motion/b.rs", "use super::c;"),
-        ("src/motion/c.rs", "pub(super) use super::a::A;"),
+        ("src/core/motion/a.rs", "use super::b::B;"),
+        ("src/core/motion/b.rs", "use super::c;"),
+        ("src/core/motion/c.rs", "pub(super) use super::a::A;"),
     ];
     assert_eq!(house(&three).len(), 1);
     let parent = [
-        ("src/motion.rs", "mod part;\nuse part::Part;\nstruct Whole;"),
-        ("src/motion/part.rs", "use super::Whole;"),
+        (
+            "src/core/motion.rs",
+            "mod part;\nuse part::Part;\nstruct Whole;",
+        ),
+        ("src/core/motion/part.rs", "use super::Whole;"),
     ];
     assert_eq!(house(&parent).len(), 1);
     // One way, and the tests' way back, are no circle.
     let one_way = [
-        ("src/motion/a.rs", "use super::b::B;\nuse std::b;"),
+        ("src/core/motion/a.rs", "use super::b::B;\nuse std::b;"),
         (
-            "src/motion/b.rs",
+            "src/core/motion/b.rs",
             "struct B;\n#[cfg(test)]\nmod tests { use crate::motion::a::A; }",
         ),
     ];

@@ -26,7 +26,7 @@ run() { # MODULES ARGUMENTS
     modules="$(tr ' ' '\n' <<<"$1" | sed -n 's/.*::\(.*\)/\1::/p')"
     # Words on purpose.
     # shellcheck disable=SC2086
-    timeout 900 cargo test --quiet --locked -p enact --no-fail-fast --lib $binaries "${@:2}" -- tests:: $modules
+    timeout 900 cargo test --quiet --locked -p enact -p enact-core --no-fail-fast --lib $binaries "${@:2}" -- tests:: $modules
 }
 run "$asked" >"$said/tests" 2>&1 || { tail -n 40 "$said/tests"; exit 1; }
 

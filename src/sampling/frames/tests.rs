@@ -1,6 +1,6 @@
 use super::*;
+use crate::fixture::{FIRST_NS, estimate, scene, sketch};
 use crate::motion::TrackIndex;
-use crate::motion::fixture::{FIRST_NS, estimate, scene, sketch};
 
 /// Every pose is nearer to the one before than its negative would be.
 fn assert_continuous(samples: &[PoseSample]) {

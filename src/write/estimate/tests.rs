@@ -13,7 +13,7 @@ mod skip;
 
 use self::skip::skip;
 use super::*;
-use crate::motion::fixture::{FIRST_NS, SCENE_TOML, counts, estimate, scene, sketch};
+use crate::fixture::{FIRST_NS, SCENE_TOML, counts, estimate, scene, sketch};
 use crate::motion::{
     Against, LinkIndex, LinkSpread, Mark, Penetration, Settled, Spread, TrackIndex, Verification,
 };

@@ -312,7 +312,7 @@ mod tests {
         let (mut motion, samples) = motion();
         motion.events.clear();
         motion.simulated_from = Some(samples[0].stamp);
-        let scene = crate::motion::fixture::scene();
+        let scene = crate::fixture::scene();
         motion.estimates = vec![samples.clone(); scene.links.len()].into();
         let link = LinkIndex(0);
         let floor_m = |at_s: f64| (at_s - 0.2).abs() < 1.0 / 60.0;

@@ -105,7 +105,7 @@ impl House<'_> {
 
 /// `src/a/b.rs` → `a::b`, `src/a/mod.rs` → `a`, `src/lib.rs` → the root.
 fn module(path: &str) -> Vec<String> {
-    let inside = path.strip_prefix("src/").unwrap_or(path);
+    let inside = super::inside(path);
     let inside = inside.strip_suffix(".rs").unwrap_or(inside);
     let mut parts: Vec<String> = inside.split('/').map(str::to_owned).collect();
     if parts

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::tokens::Token;
+use super::tokens::{Token, is_word};
 
 /// Greatest number of functions that take a tuple apart in their parameters: a few pairs that are obvious.
 const TUPLES: usize = 20;
@@ -23,7 +23,7 @@ impl Dialect {
         for (at, token) in code.iter().enumerate() {
             let name = code.get(at + 1).map_or("", |name| name.text.as_str());
             match token.text.as_str() {
-                "fn" if takes_apart(&code[at..]) => {
+                "fn" if takes_apart(&code[at + 1..]) => {
                     self.tuples.push(format!("{path}:{} {name}", token.line));
                 }
                 // What a trait asks to be named is not a name of ours.
@@ -57,15 +57,22 @@ impl Dialect {
     }
 }
 
-/// Whether the function that begins here has a parameter whose pattern is a tuple.
+/// Whether the function of this name and on has a parameter whose pattern is a tuple.
 fn takes_apart(code: &[Token]) -> bool {
     let mut levels = 0;
-    let mut before = "";
-    for token in &code[2..] {
+    // A pattern follows the bracket or a comma, perhaps with a `&`.
+    let mut may_begin = false;
+    // A type of functions has no name.
+    let is_named = code
+        .first()
+        .is_some_and(|name| name.text.chars().all(is_word));
+    if !is_named {
+        return false;
+    }
+    for token in &code[1..] {
         let text = token.text.as_str();
-        let begins = levels == 1 && matches!(before, "(" | "," | "&");
         match text {
-            "(" if begins => return true,
+            "(" if may_begin => return true,
             "(" | "[" | "<" | "{" => levels += usize::from(text != "<"),
             ")" | "]" | "}" => {
                 levels -= 1;
@@ -76,7 +83,7 @@ fn takes_apart(code: &[Token]) -> bool {
             ";" if levels == 0 => return false,
             _ => {}
         }
-        before = text;
+        may_begin = levels == 1 && (matches!(text, "(" | ",") || may_begin && text == "&");
     }
     false
 }

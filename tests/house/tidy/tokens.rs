@@ -171,8 +171,12 @@ pub fn without_tests(code: &[Token]) -> Vec<Token> {
 pub fn out_of_line_tests(path: &str, text: &str) -> Vec<String> {
     let folder = match path.strip_suffix("/mod.rs") {
         Some(folder) => folder.to_owned(),
-        None if path == "src/lib.rs" || path == "src/main.rs" => "src".to_owned(),
-        None => path.trim_end_matches(".rs").to_owned(),
+        None => {
+            let root = path
+                .strip_suffix("/lib.rs")
+                .or_else(|| path.strip_suffix("/main.rs"));
+            root.unwrap_or(path.trim_end_matches(".rs")).to_owned()
+        }
     };
     let code = tokens(text);
     let mut modules = Vec::new();

@@ -157,7 +157,7 @@ mod tests {
     use crate::physics::contact::Contact;
     use crate::physics::impact::{ContactSet, Law, Side};
 
-    const SCENE: &str = include_str!("../../config/pencil_tip.toml");
+    const SCENE: &str = include_str!("../../../config/pencil_tip.toml");
 
     #[test]
     fn the_impact_law_gives_back_the_jump_from_which_the_rotation_was_told() {

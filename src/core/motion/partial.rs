@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn later_events_take_their_goals_and_parameters_with_them() {
-        let toml = include_str!("../../config/hat_box.toml");
+        let toml = include_str!("../../../config/hat_box.toml");
         let scene = scene_from_toml(toml).expect("valid");
         let whole = scene.first_events(scene.events.len());
         assert_eq!(whole, scene);
@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn marks_stand_for_events_in_order_or_by_name() {
-        let toml = include_str!("../../config/pencil_tip.toml");
+        let toml = include_str!("../../../config/pencil_tip.toml");
         let scene = scene_from_toml(toml).expect("valid");
         let marked = |names: &[Option<&str>]| scene.events_marked(names.iter().copied());
         assert_eq!(marked(&[]), 0);

@@ -23,7 +23,7 @@ mod fall;
 mod flight;
 mod glide;
 #[cfg(test)]
-#[path = "../../../tools/src/reference.rs"]
+#[path = "../../../../tools/src/reference.rs"]
 mod reference;
 mod series;
 #[cfg(test)]

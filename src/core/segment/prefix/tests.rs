@@ -4,7 +4,7 @@ use super::*;
 use crate::config::scene_from_toml;
 use crate::motion::{LinkIndex, Sample, Seen, Stamp};
 
-const TEMPO: &str = include_str!("../../../config/hat_box.toml");
+const TEMPO: &str = include_str!("../../../../config/hat_box.toml");
 
 /// Ten samples, a tenth of a second apart.
 fn samples(pose: impl Fn(f64) -> (Vector3<f64>, UnitQuaternion<f64>)) -> TrackSketch {

@@ -10,8 +10,6 @@ pub mod doubt;
 pub mod estimate;
 pub mod fall;
 pub mod fit;
-#[cfg(test)]
-pub(crate) mod fixture;
 pub mod guess;
 pub mod held;
 pub mod index;

@@ -117,7 +117,7 @@ fn a_wrong_waypoint_says_where_and_what_is_expected() {
 
 #[test]
 fn a_waypoint_of_a_held_body_is_refused() {
-    let text = include_str!("../../../config/racket.toml");
+    let text = include_str!("../../../../config/racket.toml");
     let at = text.find("[[event]]").unwrap();
     let waypoint = "[[event]]\nname = \"way\"\nkind = \"waypoint\"\nbody = \"racket\"\n\n";
     let line = text[..at].lines().count() + 4;

@@ -205,7 +205,7 @@ mod tests {
             (JointKind::Ball, vec![0.9, -1.4, 1.1]),
         ] {
             let joint = tree::Joint::new(kind, turned(0.4, -0.3, 0.8), turned(-0.9, 0.2, 0.1));
-            let text = include_str!("../../config/chain.toml")
+            let text = include_str!("../../../config/chain.toml")
                 .replace("tracked = false", "tracker = { position_mm = [0, 0, 0] }");
             let text = text.replace("\n[[body.track]]\nsees = \"point\"\n", "");
             let scene = crate::config::scene_from_toml(&text).expect("a valid scene");

@@ -3,7 +3,7 @@ use crate::motion::ArcGuess;
 use crate::physics::contact::{Contact, Feature};
 use crate::physics::impact::{ContactSet, Law, Side};
 
-const SCENE: &str = include_str!("../../../config/die.toml");
+const SCENE: &str = include_str!("../../../../config/die.toml");
 const AXIS: Vector3<f64> = Vector3::new(0.6, 0.0, -0.8);
 
 fn scene() -> Scene {

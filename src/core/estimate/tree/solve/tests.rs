@@ -14,7 +14,7 @@ use crate::optimise::{Program, Work};
 /// A motion of which errors grow by more than a leg may have, with exact samples of a point of each rod; without goals.
 fn long() -> (TreeProblem, TreePoint) {
     const COUNT: usize = 121;
-    let text = include_str!("../../../../config/chain.toml").replace(
+    let text = include_str!("../../../../../config/chain.toml").replace(
         "tracked = false",
         "[[body.track]]\nsees = \"point\"\ntracker = { position_mm = [0, 0, -100] }",
     );

@@ -2,12 +2,12 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::{
+use crate::config::scene_from_toml;
+use crate::motion::{
     ArcEstimate, Counters, DurationEstimate, End, Estimate, EventEstimate, FitUntold, Gap,
     MechanismIndex, ParameterEstimate, Progress, Sample, SampleCounts, SampleTime, Scene,
     SegmentResidual, Sketch, Stamp, TrackIndex, TrackSketch, Undetermined, Verdict,
 };
-use crate::config::scene_from_toml;
 use crate::physics::State;
 
 pub(crate) const SCENE_TOML: &str = r#"

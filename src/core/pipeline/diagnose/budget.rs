@@ -87,11 +87,12 @@ impl Observer for OfOne<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion::fixture;
+    use crate::config::scene_from_toml;
 
     #[test]
     fn tries_share_what_is_left_and_each_has_its_own_end() {
-        let scene = fixture::scene();
+        let scene = include_str!("../../../../config/pencil_tip.toml");
+        let scene = scene_from_toml(scene).expect("a scene");
         let mut observer = ();
         let mut budget = Budget::beside(0, &scene, &[], &mut observer);
         let (all, of_preparing) = (budget.left, budget.of_preparing);

@@ -145,7 +145,7 @@
 //! pages in browsers from elsewhere may watch if they are among `origins`. Both answer who asks for `localhost`, for
 //! an address in numbers, or for one of `hosts`.
 #![doc = "\n"]
-#![doc = include_str!("../../docs/scene.md")]
+#![doc = include_str!("../../../docs/scene.md")]
 
 mod board;
 mod body;

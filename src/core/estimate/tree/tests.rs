@@ -16,7 +16,7 @@ use crate::optimise::Program;
 use crate::physics::tree::TreeState;
 
 fn scene() -> Scene {
-    scene_from_toml(include_str!("../../../config/chain.toml")).expect("a valid scene")
+    scene_from_toml(include_str!("../../../../config/chain.toml")).expect("a valid scene")
 }
 
 /// A tenth of a second of any path.
@@ -72,7 +72,7 @@ fn derivatives_are_those_of_differences() {
 /// three nodes.
 #[test]
 fn derivatives_in_a_hand_are_those_of_differences() {
-    let text = include_str!("../../../config/chain.toml");
+    let text = include_str!("../../../../config/chain.toml");
     let (before, after) = text.split_at(text.find("[[event]]\nname = \"end\"").expect("an end"));
     let way = "[[event]]\nname = \"by\"\nkind = \"waypoint\"\nbody = \"rod 2\"\n\n";
     let asked = "\n[[goal]]\nevent = \"by\"\nbody = \"rod 2\"\nposition_mm = [100, 200, 300]\nvelocity_m_s = [1, 2, 3]\n\n\
@@ -170,7 +170,7 @@ velocity_m_s = [1, 0, 0]
 
 /// [`STRUCK`], with stamps of this kind.
 fn struck(stamps: &str) -> TreeProblem {
-    let text = include_str!("../../../config/chain.toml");
+    let text = include_str!("../../../../config/chain.toml");
     let (before, after) = text.split_at(text.find("[[event]]\nname = \"end\"").expect("an end"));
     let features = "mass_g = 100\nfeatures_mm = { end = [0, 0, -100] }\n";
     let text = (before.to_owned() + STRUCK + after).replace("mass_g = 100\n", features);
@@ -390,7 +390,7 @@ body = "box"
 position_mm = [100, 200, 300]
 
 "#;
-    let text = include_str!("../../../config/chain.toml");
+    let text = include_str!("../../../../config/chain.toml");
     let (before, after) = text.split_at(text.find("[[event]]\nname = \"end\"").expect("an end"));
     let text = before.to_owned() + EVENTS + after;
     let (before, after) = text.split_at(text.find("[[joint]]").expect("a joint"));

@@ -6,7 +6,7 @@ use crate::config::scene_from_toml;
 use crate::motion::{LinkIndex, Quantity, Untold};
 use crate::physics::Body;
 
-const RACKET: &str = include_str!("../../../config/racket.toml");
+const RACKET: &str = include_str!("../../../../config/racket.toml");
 
 fn with(old: &str, new: &str) -> String {
     assert!(RACKET.contains(old), "{old}");
