@@ -48,9 +48,10 @@
 //! | [`service`] | its drivers, with clock, files and threads: live, replay and offline | `pipeline`, `calibrate`, `ingest`, `write`, `page`, `report`, `config`, `motion` |
 //! | [`cli`] | the commands and their accounts | `config`, `report`, `service` |
 //!
-//! `math`, `optimise`, `physics`, `motion`, the stages 2 to 4, `calibrate` and `pipeline` are the core. What is absent
-//! there matters most: no files, no sockets, no clock, no threads, no printing, no logging, no
-//! container of random order. A run can be stopped and watched through
+//! The crate `enact-core` in `src/core` has `config` and the rooms that compute; the others, around it, are the program.
+//! `math`, `optimise`, `physics`, `motion`, the stages 2 to 4, `calibrate` and `pipeline` do nothing but compute. What is
+//! absent there matters most: no files, no sockets, no clock, no threads, no printing, no logging, no container of random
+//! order. A run can be stopped and watched through
 //! [`motion::Observer`], and the same take gives the same bits. Stages never import each other;
 //! what they exchange is in [`motion`]. `tests/house/tidy.rs` enforces all of this.
 //!
