@@ -101,12 +101,12 @@ pub(super) fn print_json(schema: &str, value: &impl Serialize) -> anyhow::Result
 
 fn json_line(schema: &str, value: &impl Serialize) -> serde_json::Result<String> {
     #[derive(Serialize)]
-    struct Line<'a, T> {
+    struct OutputLine<'a, T> {
         schema: &'a str,
         #[serde(flatten)]
         value: &'a T,
     }
-    let line = serde_json::to_string(&Line { schema, value })?;
+    let line = serde_json::to_string(&OutputLine { schema, value })?;
     let mut line = plain_json(&line).into_owned();
     line.push('\n');
     Ok(line)

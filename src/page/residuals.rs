@@ -22,7 +22,7 @@ const EDGE_S: f64 = 1e-6;
 
 /// How far the motion is from one sample.
 #[derive(Clone, Copy)]
-struct Off {
+struct SampleOff {
     time_s: f64,
     position_mm: f64,
     /// None where the tracker sees a point.
@@ -72,7 +72,7 @@ fn card(
     page: &Page,
     said: &Said,
     segment: &Segment,
-    offs: &[Off],
+    offs: &[SampleOff],
     ranges: [[f64; 2]; 2],
 ) -> String {
     let [mm, deg] = [(segment.residual_mm, " mm"), (segment.residual_deg, "°")]
@@ -153,8 +153,8 @@ fn card(
 }
 
 /// Distances by the name of the track, in order of time.
-fn series<'s>(page: &'s Page, said: &'s Said) -> BTreeMap<&'s str, Vec<Off>> {
-    let mut all: BTreeMap<&str, Vec<Off>> = BTreeMap::new();
+fn series<'s>(page: &'s Page, said: &'s Said) -> BTreeMap<&'s str, Vec<SampleOff>> {
+    let mut all: BTreeMap<&str, Vec<SampleOff>> = BTreeMap::new();
     for (index, track) in page.scene.tracks.iter_enumerated() {
         let offs = match track.sees {
             Sees::Pose => {
@@ -177,10 +177,10 @@ fn series<'s>(page: &'s Page, said: &'s Said) -> BTreeMap<&'s str, Vec<Off>> {
     all
 }
 
-fn off(page: &Page, link: LinkIndex, seen: &PoseSample) -> Option<Off> {
+fn off(page: &Page, link: LinkIndex, seen: &PoseSample) -> Option<SampleOff> {
     let there = motion_at(page.motion, link, seen.stamp)?;
     let turn_rad = turn(&there).angle_to(&turn(seen));
-    Some(Off {
+    Some(SampleOff {
         time_s: seen.stamp.seconds_since(page.motion.zero),
         position_mm: (there.position_m - seen.position_m).norm() * 1e3,
         turn_deg: Some(turn_rad.to_degrees()),
@@ -192,13 +192,13 @@ fn off_point(
     link: LinkIndex,
     at: Stamp,
     [seen_m, point_m]: [Vector3<f64>; 2],
-) -> Option<Off> {
+) -> Option<SampleOff> {
     let there = motion_at(page.motion, link, at)?;
     // Poses of files are of the frame in which the scene gives the body.
     let given_from_link = page.scene.links[link].link_from_given.inverse();
     let point_m = given_from_link * nalgebra::Point3::from(point_m);
     let place_m = there.position_m + turn(&there) * point_m.coords;
-    Some(Off {
+    Some(SampleOff {
         time_s: at.seconds_since(page.motion.zero),
         position_mm: (place_m - seen_m).norm() * 1e3,
         turn_deg: None,

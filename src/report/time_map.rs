@@ -29,7 +29,7 @@ pub struct TimeMapMessage {
     origin: Time,
     physical_zero: Time,
     bodies: Vec<BodyTimes>,
-    events: Vec<EventTime>,
+    events: Vec<EventTimeLine>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -40,7 +40,7 @@ struct BodyTimes {
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
-struct EventTime {
+struct EventTimeLine {
     event: String,
     acted_s: f64,
     physical_s: f64,
@@ -62,7 +62,7 @@ impl TimeMapMessage {
                 physical_s,
             }
         });
-        let events = estimate.events.iter().map(|event| EventTime {
+        let events = estimate.events.iter().map(|event| EventTimeLine {
             event: scene.events[event.event].name.clone(),
             acted_s: event.acted_s,
             physical_s: event.time_s,

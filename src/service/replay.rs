@@ -83,7 +83,7 @@ fn replayed(
     let mut publication = publish
         .map(|publish| Publication::begin(opened.scene.for_reading(), publish.iceoryx2.as_deref()))
         .transpose()?;
-    let mut pace = job.rate.or(publish.map(|_| 1.0)).map(Pace::new);
+    let mut pace = job.rate.or(publish.map(|_| 1.0)).map(ReplayPace::new);
     while let Some((log_time, event)) = source.next()? {
         if let Some(pace) = &mut pace {
             pace.wait_until(log_time);
@@ -103,12 +103,12 @@ fn replayed(
 }
 
 /// Waits for the intervals of log times, divided by a rate.
-struct Pace {
+struct ReplayPace {
     rate: f64,
     begun: Option<(Instant, Stamp)>,
 }
 
-impl Pace {
+impl ReplayPace {
     fn new(rate: f64) -> Self {
         Self { rate, begun: None }
     }

@@ -62,13 +62,13 @@ pub struct Sketched {
 
 /// The kinds of files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum SketchKind {
     Csv,
     Toml,
     Recording,
 }
 
-impl Kind {
+impl SketchKind {
     fn of(path: &Path) -> anyhow::Result<Self> {
         match path.extension().and_then(OsStr::to_str) {
             Some("csv") => Ok(Self::Csv),
@@ -85,8 +85,8 @@ impl Kind {
 
 /// Makes a recording of a written sketch, or a written sketch of a recording.
 pub fn sketch(job: &SketchJob) -> anyhow::Result<Sketched> {
-    let from = Kind::of(&job.input)?;
-    let ending = if from == Kind::Recording {
+    let from = SketchKind::of(&job.input)?;
+    let ending = if from == SketchKind::Recording {
         "csv"
     } else {
         "mcap"
@@ -95,10 +95,10 @@ pub fn sketch(job: &SketchJob) -> anyhow::Result<Sketched> {
         .output
         .clone()
         .unwrap_or_else(|| job.input.with_extension(ending));
-    let to = Kind::of(&output)?;
+    let to = SketchKind::of(&output)?;
     let inputs = iter::once(job.input.as_path()).chain(job.scene.as_deref());
     Inputs::of(inputs).keep_from(&output)?;
-    if (from == Kind::Recording) == (to == Kind::Recording) {
+    if (from == SketchKind::Recording) == (to == SketchKind::Recording) {
         bail!(
             "{} and {}: expected one recording (.mcap) and one written sketch (.csv, .toml)",
             job.input.display(),
@@ -106,7 +106,7 @@ pub fn sketch(job: &SketchJob) -> anyhow::Result<Sketched> {
         );
     }
     let working = Working::begin("reading");
-    if from == Kind::Recording {
+    if from == SketchKind::Recording {
         read(job, &output, to, &working)
     } else {
         write(job, &output, from)
@@ -114,7 +114,7 @@ pub fn sketch(job: &SketchJob) -> anyhow::Result<Sketched> {
 }
 
 /// A written sketch becomes a recording.
-fn write(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched> {
+fn write(job: &SketchJob, output: &Path, kind: SketchKind) -> anyhow::Result<Sketched> {
     let path = job.input.display();
     if job.is_estimated || job.density != Density::All {
         bail!("{path}: is a written sketch, expected a recording to choose keyframes of");
@@ -128,7 +128,7 @@ fn write(job: &SketchJob, output: &Path, kind: Kind) -> anyhow::Result<Sketched>
         .map_err(|error| error.in_file(scene_file.display().to_string()))?;
     let text = read_text(&job.input).with_context(|| format!("{path}: cannot read"))?;
     let rows = match kind {
-        Kind::Csv => sketch_from_csv(&text, &scene),
+        SketchKind::Csv => sketch_from_csv(&text, &scene),
         _ => sketch_from_toml(&text, &scene),
     };
     let rows = rows.map_err(|error| error.in_file(path.to_string()))?;
@@ -213,7 +213,12 @@ fn of_rows(scene: &Scene, rows: &[SketchRow]) -> Vec<String> {
 }
 
 /// A recording becomes a written sketch.
-fn read(job: &SketchJob, output: &Path, kind: Kind, working: &Working) -> anyhow::Result<Sketched> {
+fn read(
+    job: &SketchJob,
+    output: &Path,
+    kind: SketchKind,
+    working: &Working,
+) -> anyhow::Result<Sketched> {
     let deadline = Deadline::begin(job.deadline);
     let opened = open(&job.input, job.scene.as_deref(), deadline)?;
     let scene = opened.scene.for_reading();
@@ -238,7 +243,7 @@ fn read(job: &SketchJob, output: &Path, kind: Kind, working: &Working) -> anyhow
         }
     };
     let text = match kind {
-        Kind::Csv => csv_of_sketch(&rows, scene),
+        SketchKind::Csv => csv_of_sketch(&rows, scene),
         _ => toml_of_sketch(&rows, scene),
     };
     let own = iter::once(job.input.as_path()).chain(job.scene.as_deref());

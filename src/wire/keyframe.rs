@@ -32,7 +32,7 @@ pub(super) const SCHEMA: &str = r#"{
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Message {
+struct KeyframeMessage {
     stamp_ns: Option<i64>,
     earliest_ns: Option<i64>,
     latest_ns: Option<i64>,
@@ -49,7 +49,7 @@ pub fn encode_keyframe(keyframe: &Keyframe) -> Vec<u8> {
         KeyframeTime::Within(earliest, latest) => (None, Some(earliest.0), Some(latest.0)),
         KeyframeTime::Unknown => (None, None, None),
     };
-    let message = Message {
+    let message = KeyframeMessage {
         stamp_ns: known,
         earliest_ns: earliest,
         latest_ns: latest,
@@ -64,7 +64,7 @@ pub fn encode_keyframe(keyframe: &Keyframe) -> Vec<u8> {
 
 /// The keyframe of a message.
 pub fn decode_keyframe(data: &[u8]) -> Result<Keyframe, DecodeError> {
-    let message: Message =
+    let message: KeyframeMessage =
         serde_json::from_slice(data).map_err(|error| DecodeError::Json(error.to_string()))?;
     let time = match (message.stamp_ns, message.earliest_ns, message.latest_ns) {
         (Some(stamp), None, None) => KeyframeTime::Known(Stamp(stamp)),

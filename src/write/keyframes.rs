@@ -7,7 +7,7 @@ use crate::motion::{Keyframe, KeyframeTime, Mark, Scene, SketchRow, Stamp, Timin
 
 /// The rows as CSV, with the columns that they need.
 pub fn csv_of_sketch(rows: &[SketchRow], scene: &Scene) -> String {
-    let parts = Parts::of(rows, scene);
+    let parts = KeyframeParts::of(rows, scene);
     let columns = parts.columns();
     let mut text = columns.join(",");
     text.push('\n');
@@ -33,7 +33,7 @@ pub fn csv_of_sketch(rows: &[SketchRow], scene: &Scene) -> String {
 
 /// The rows as TOML.
 pub fn toml_of_sketch(rows: &[SketchRow], scene: &Scene) -> String {
-    let parts = Parts::of(rows, scene);
+    let parts = KeyframeParts::of(rows, scene);
     let mut text = String::new();
     for row in rows {
         if !text.is_empty() {
@@ -56,7 +56,7 @@ pub fn toml_of_sketch(rows: &[SketchRow], scene: &Scene) -> String {
 }
 
 /// What occurs in some rows.
-struct Parts {
+struct KeyframeParts {
     body: bool,
     flight: bool,
     event: bool,
@@ -68,7 +68,7 @@ struct Parts {
     orientation_sd: bool,
 }
 
-impl Parts {
+impl KeyframeParts {
     fn of(rows: &[SketchRow], scene: &Scene) -> Self {
         let keyframes = || {
             rows.iter().filter_map(|row| match row {
@@ -151,7 +151,7 @@ fn cells_of_mark(mark: &Mark) -> Vec<(&'static str, String)> {
 fn keyframe_table(
     text: &mut String,
     scene: &Scene,
-    parts: &Parts,
+    parts: &KeyframeParts,
     track: TrackIndex,
     flight: usize,
     keyframe: &Keyframe,

@@ -114,7 +114,7 @@ pub fn gravity(
         usable: samples,
         least: samples + 1,
     };
-    let grid: Vec<Weighed> = (0..CORRELATIONS)
+    let grid: Vec<WeighedFlight> = (0..CORRELATIONS)
         .filter_map(|at| {
             let correlation = STRONGEST * at as f64 / (CORRELATIONS - 1) as f64;
             weighed(flights, centre, correlation)
@@ -124,7 +124,7 @@ pub fn gravity(
         .iter()
         .map(|of| of.log_likelihood)
         .fold(f64::NEG_INFINITY, f64::max);
-    let weight = |of: &Weighed| (of.log_likelihood - most).exp();
+    let weight = |of: &WeighedFlight| (of.log_likelihood - most).exp();
     let total: f64 = grid.iter().map(weight).sum();
     if !(total > 0.0) {
         return Err(too_few());
@@ -149,7 +149,7 @@ pub fn gravity(
     let is_between_flights = flights.len() >= FLIGHTS;
     let mut freedom = freedom_within;
     if is_between_flights {
-        let parts: Vec<Part> = flights
+        let parts: Vec<FlightPart> = flights
             .iter()
             .map(|f| part(f, centre, correlation))
             .collect();
@@ -214,7 +214,7 @@ pub fn unlike(flights: &[Flight], centre: &Vector3<f64>) -> Vec<usize> {
 }
 
 /// What one correlation of the noise makes of the flights.
-struct Weighed {
+struct WeighedFlight {
     correlation: f64,
     unknowns: DVector<f64>,
     covariance: DMatrix<f64>,
@@ -225,7 +225,7 @@ struct Weighed {
 }
 
 /// A flight's normal equations, without its own unknowns.
-struct Part {
+struct FlightPart {
     matrix: DMatrix<f64>,
     right: DVector<f64>,
     square: f64,
@@ -233,7 +233,7 @@ struct Part {
 }
 
 /// Whitens with an autoregression, `e_i − ρ e_{i−1}`, and eliminates `x₀` and `v₀`.
-fn part(flight: &Flight, centre: Option<&Vector3<f64>>, correlation: f64) -> Part {
+fn part(flight: &Flight, centre: Option<&Vector3<f64>>, correlation: f64) -> FlightPart {
     let readings = &flight.readings;
     let count = readings.len();
     let middle_s = 0.5 * (readings[0].time_s + readings[count - 1].time_s);
@@ -288,7 +288,7 @@ fn part(flight: &Flight, centre: Option<&Vector3<f64>>, correlation: f64) -> Par
         .column(0)
         .into_owned();
     let whitening = 1.5 * (1.0 - correlation * correlation).ln();
-    Part {
+    FlightPart {
         matrix: shared.tr_mul(&shared),
         right: shared.tr_mul(&observed),
         square: observed.norm_squared(),
@@ -299,7 +299,7 @@ fn part(flight: &Flight, centre: Option<&Vector3<f64>>, correlation: f64) -> Par
 /// Makes the directions of the centre that no turn shows stay at zero, in squared radians.
 const RIDGE: f64 = 1e-10;
 
-fn sum(parts: &[Part], left_out: usize) -> Option<(DMatrix<f64>, DVector<f64>)> {
+fn sum(parts: &[FlightPart], left_out: usize) -> Option<(DMatrix<f64>, DVector<f64>)> {
     let mut used = parts.iter().enumerate().filter(|(at, _)| *at != left_out);
     let (_, first) = used.next()?;
     let start = (first.matrix.clone(), first.right.clone());
@@ -312,13 +312,17 @@ fn sum(parts: &[Part], left_out: usize) -> Option<(DMatrix<f64>, DVector<f64>)> 
     Some((matrix, right))
 }
 
-fn solved(parts: &[Part], left_out: usize) -> Option<DVector<f64>> {
+fn solved(parts: &[FlightPart], left_out: usize) -> Option<DVector<f64>> {
     let (matrix, right) = sum(parts, left_out)?;
     Some(matrix.cholesky()?.solve(&right))
 }
 
-fn weighed(flights: &[Flight], centre: Option<&Vector3<f64>>, correlation: f64) -> Option<Weighed> {
-    let parts: Vec<Part> = flights
+fn weighed(
+    flights: &[Flight],
+    centre: Option<&Vector3<f64>>,
+    correlation: f64,
+) -> Option<WeighedFlight> {
+    let parts: Vec<FlightPart> = flights
         .iter()
         .map(|f| part(f, centre, correlation))
         .collect();
@@ -331,7 +335,7 @@ fn weighed(flights: &[Flight], centre: Option<&Vector3<f64>>, correlation: f64) 
     let rest = (square - right.dot(&unknowns)).max(1e-24);
     let variance = rest / freedom;
     let log_determinant: f64 = parts.iter().map(|part| part.log_determinant).sum();
-    Some(Weighed {
+    Some(WeighedFlight {
         correlation,
         covariance: cholesky.inverse() * variance,
         sd: (variance / (1.0 - correlation * correlation)).sqrt(),

@@ -117,7 +117,7 @@ pub fn plane(
     }
     outliers.sort_unstable();
     let counted: Vec<Touch> = used.iter().map(|at| touches[*at]).collect();
-    let fitted = Fitted::of(&counted)?;
+    let fitted = FittedPlane::of(&counted)?;
     let count = counted.len() as f64;
     let side_m: f64 = counted
         .iter()
@@ -158,7 +158,7 @@ pub fn plane(
     })
 }
 
-struct Fitted {
+struct FittedPlane {
     middle_m: Vector3<f64>,
     normal: Vector3<f64>,
     axes: [Vector3<f64>; 2],
@@ -168,7 +168,7 @@ struct Fitted {
     count: usize,
 }
 
-impl Fitted {
+impl FittedPlane {
     fn of(touches: &[Touch]) -> Result<Self, CalibrateError> {
         if touches.len() < 3 {
             return Err(CalibrateError::FewTouches(touches.len()));
@@ -226,7 +226,7 @@ fn outlier(touches: &[Touch], used: &[usize]) -> Result<Option<usize>, Calibrate
         let others = used.iter().enumerate().filter(|(other, _)| *other != at);
         let others: Vec<Touch> = others.map(|(_, index)| touches[*index]).collect();
         // Without it the others may lie in a line: then it is needed.
-        let Ok(fitted) = Fitted::of(&others) else {
+        let Ok(fitted) = FittedPlane::of(&others) else {
             continue;
         };
         let Some(sd_m) = fitted.sd_m().filter(|sd_m| *sd_m > 0.0) else {

@@ -1,6 +1,6 @@
 //! Written sketches: keyframes and marks as rows of a CSV file, or as tables of a TOML file.
 //!
-//! Both become [`Written`] rows with the place of every value; one set of checks makes rows of the
+//! Both become [`WrittenKeyframes`] rows with the place of every value; one set of checks makes rows of the
 //! scene of them. `docs/sketch.md` describes the formats.
 
 mod csv;
@@ -25,26 +25,26 @@ const NORM_LIMIT: f64 = 0.02;
 
 /// A value with its place in the text.
 #[derive(Clone, Debug)]
-struct Placed<T> {
+struct PlacedKeyframe<T> {
     value: T,
     span: Range<usize>,
 }
 
 /// One row as it is written. Times in seconds, positions in metres.
 #[derive(Clone, Debug, Default)]
-struct Written {
+struct WrittenKeyframes {
     span: Range<usize>,
-    body: Option<Placed<String>>,
-    flight: Option<Placed<f64>>,
-    event: Option<Placed<String>>,
-    time_s: Option<Placed<f64>>,
-    earliest_s: Option<Placed<f64>>,
-    latest_s: Option<Placed<f64>>,
-    position_m: [Option<Placed<f64>>; 3],
-    orientation_wxyz: [Option<Placed<f64>>; 4],
-    rpy_deg: [Option<Placed<f64>>; 3],
-    position_sd_m: Option<Placed<f64>>,
-    orientation_sd_deg: Option<Placed<f64>>,
+    body: Option<PlacedKeyframe<String>>,
+    flight: Option<PlacedKeyframe<f64>>,
+    event: Option<PlacedKeyframe<String>>,
+    time_s: Option<PlacedKeyframe<f64>>,
+    earliest_s: Option<PlacedKeyframe<f64>>,
+    latest_s: Option<PlacedKeyframe<f64>>,
+    position_m: [Option<PlacedKeyframe<f64>>; 3],
+    orientation_wxyz: [Option<PlacedKeyframe<f64>>; 4],
+    rpy_deg: [Option<PlacedKeyframe<f64>>; 3],
+    position_sd_m: Option<PlacedKeyframe<f64>>,
+    orientation_sd_deg: Option<PlacedKeyframe<f64>>,
 }
 
 /// The rows of a CSV file.
@@ -59,7 +59,7 @@ pub fn sketch_from_toml(text: &str, scene: &Scene) -> Result<Vec<SketchRow>, Sce
     checked(rows, scene).map_err(|fault| SceneError::from_fault(text, fault))
 }
 
-fn checked(rows: Vec<Written>, scene: &Scene) -> Result<Vec<SketchRow>, Fault> {
+fn checked(rows: Vec<WrittenKeyframes>, scene: &Scene) -> Result<Vec<SketchRow>, Fault> {
     if rows.is_empty() {
         return fault(0..0, "no keyframes, expected one row or table for each");
     }
@@ -97,8 +97,8 @@ fn checked(rows: Vec<Written>, scene: &Scene) -> Result<Vec<SketchRow>, Fault> {
 }
 
 fn mark(
-    row: &Written,
-    event: &Placed<String>,
+    row: &WrittenKeyframes,
+    event: &PlacedKeyframe<String>,
     scene: &Scene,
     marked: &mut Vec<String>,
 ) -> Result<SketchRow, Fault> {
@@ -148,7 +148,7 @@ fn mark(
     }
 }
 
-fn unknown<T>(what: &str, name: &Placed<String>, names: &[&str]) -> Result<T, Fault> {
+fn unknown<T>(what: &str, name: &PlacedKeyframe<String>, names: &[&str]) -> Result<T, Fault> {
     let hint = nearest(&name.value, names)
         .map_or(String::new(), |near| format!(", did you mean {near:?}?"));
     fault(
@@ -161,7 +161,7 @@ fn unknown<T>(what: &str, name: &Placed<String>, names: &[&str]) -> Result<T, Fa
     )
 }
 
-fn track(row: &Written, scene: &Scene) -> Result<TrackIndex, Fault> {
+fn track(row: &WrittenKeyframes, scene: &Scene) -> Result<TrackIndex, Fault> {
     let names: Vec<&str> = scene
         .tracks
         .keys()
@@ -182,7 +182,11 @@ fn track(row: &Written, scene: &Scene) -> Result<TrackIndex, Fault> {
     }
 }
 
-fn flight(row: &Written, scene: &Scene, track: TrackIndex) -> Result<Option<usize>, Fault> {
+fn flight(
+    row: &WrittenKeyframes,
+    scene: &Scene,
+    track: TrackIndex,
+) -> Result<Option<usize>, Fault> {
     let flights = scene.streams(track);
     match (&row.flight, scene.timing) {
         (None, Timing::Edited) => fault(
@@ -210,7 +214,7 @@ fn flight(row: &Written, scene: &Scene, track: TrackIndex) -> Result<Option<usiz
     }
 }
 
-fn keyframe(row: &Written) -> Result<Keyframe, Fault> {
+fn keyframe(row: &WrittenKeyframes) -> Result<Keyframe, Fault> {
     let position_m = whole(row, &row.position_m, "x, y and z")?;
     let orientation_wxyz = orientation(row)?;
     if position_m.is_none() && orientation_wxyz.is_none() {
@@ -220,7 +224,7 @@ fn keyframe(row: &Written) -> Result<Keyframe, Fault> {
              or both",
         );
     }
-    let sd = |placed: &Option<Placed<f64>>| match placed {
+    let sd = |placed: &Option<PlacedKeyframe<f64>>| match placed {
         Some(placed) if placed.value <= 0.0 => fault(
             placed.span.clone(),
             format!(
@@ -240,7 +244,7 @@ fn keyframe(row: &Written) -> Result<Keyframe, Fault> {
 }
 
 /// The orientation of a row, of a quaternion or of roll, pitch and yaw, `Rz·Ry·Rx`; `None` where it has none.
-fn orientation(row: &Written) -> Result<Option<[f64; 4]>, Fault> {
+fn orientation(row: &WrittenKeyframes) -> Result<Option<[f64; 4]>, Fault> {
     let quaternion = whole(row, &row.orientation_wxyz, "qw, qx, qy and qz")?;
     let angles_deg = whole(row, &row.rpy_deg, "roll_deg, pitch_deg and yaw_deg")?;
     let Some(components) = quaternion else {
@@ -274,8 +278,8 @@ fn orientation(row: &Written) -> Result<Option<[f64; 4]>, Fault> {
 
 /// All of some values, or none.
 fn whole<const N: usize>(
-    row: &Written,
-    values: &[Option<Placed<f64>>; N],
+    row: &WrittenKeyframes,
+    values: &[Option<PlacedKeyframe<f64>>; N],
     names: &str,
 ) -> Result<Option<[f64; N]>, Fault> {
     let mut all = [0.0; N];
@@ -300,8 +304,8 @@ fn whole<const N: usize>(
     }
 }
 
-fn time(row: &Written) -> Result<KeyframeTime, Fault> {
-    let stamp = |placed: &Placed<f64>| {
+fn time(row: &WrittenKeyframes) -> Result<KeyframeTime, Fault> {
+    let stamp = |placed: &PlacedKeyframe<f64>| {
         if (0.0..=TIME_MAX_S).contains(&placed.value) {
             Ok(Stamp((placed.value * 1e9).round() as i64))
         } else {

@@ -76,7 +76,7 @@ pub struct Bound {
     /// The bound from completed rounds.
     floor: f64,
     stage: BoundStage,
-    place: Option<Standing>,
+    place: Option<SearchStanding>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,7 +88,7 @@ enum BoundStage {
 
 /// The state of a bound between legs.
 #[derive(Clone, Debug)]
-struct Standing {
+struct SearchStanding {
     point: Point,
     damping: f64,
     multipliers: Vec<f64>,
@@ -264,7 +264,7 @@ impl<'a> Tightening<'a> {
         leading: &Guidance,
         exact: &Guidance,
         schedule: &Schedule,
-        place: Standing,
+        place: SearchStanding,
     ) -> Self {
         let is_sweep = matches!(stage, BoundStage::Sweep { .. });
         let guidance = if is_sweep { leading } else { exact };
@@ -314,8 +314,8 @@ impl<'a> Tightening<'a> {
         }
     }
 
-    fn place(self) -> Standing {
-        Standing {
+    fn place(self) -> SearchStanding {
+        SearchStanding {
             point: self.descent.point,
             damping: self.descent.damping,
             multipliers: self.lagrangian.multipliers,

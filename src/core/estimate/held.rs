@@ -41,7 +41,7 @@ pub struct HeldTerm {
 }
 
 /// Acted time with its derivatives.
-struct Clock {
+struct HeldClock {
     acted_s: f64,
     /// `da/dτ`.
     rate: f64,
@@ -211,7 +211,7 @@ impl HeldState {
         }
     }
 
-    fn clock(&self, problem: &Problem, point: &Point) -> Clock {
+    fn clock(&self, problem: &Problem, point: &Point) -> HeldClock {
         let time_s = point.event_times_s[self.event];
         if let Some(nodes) = self.nodes {
             return self.between(problem, point, nodes);
@@ -225,7 +225,7 @@ impl HeldState {
             Influence::ClockOffset => [-rate, 0.0],
             _ => [0.0, 0.0],
         });
-        Clock {
+        HeldClock {
             acted_s: zero_s + since_s,
             rate,
             by_others: std::iter::once([rate, 0.0]).chain(of_parameters).collect(),
@@ -233,7 +233,7 @@ impl HeldState {
     }
 
     /// In an unknown tempo: the time map is linear between two nodes.
-    fn between(&self, problem: &Problem, point: &Point, nodes: [usize; 2]) -> Clock {
+    fn between(&self, problem: &Problem, point: &Point, nodes: [usize; 2]) -> HeldClock {
         let [from_s, to_s] = nodes.map(|node| point.node_times_s[node]);
         let [acted_from_s, acted_to_s] = nodes.map(|node| problem.nodes_acted_s[node]);
         let lasting_s = to_s - from_s;
@@ -246,7 +246,7 @@ impl HeldState {
             [since_s * by_node - rate, by_node],
             [-since_s * by_node, -by_node],
         ];
-        Clock {
+        HeldClock {
             acted_s: acted_from_s + since_s * rate,
             rate,
             by_others: timely.into_iter().chain(of_parameters).collect(),

@@ -104,7 +104,7 @@ impl Along<'_> {
         let world_from_epoch = so3::matrix(&self.state.orientation);
         let axes = turner.axes;
         let spin = Vectors::splat(&axes.tr_mul(omega));
-        let mut sums = Sums::default();
+        let mut sums = LeverSums::default();
         for first in (0..used).step_by(LANES) {
             let indices: [usize; LANES] = std::array::from_fn(|lane| {
                 self.stride / 2 + (first + lane).min(used - 1) * self.stride
@@ -158,7 +158,7 @@ impl Along<'_> {
 
 /// Sums in world axes, by angular velocity in those of [`Turner::axes`].
 #[derive(Default)]
-struct Sums {
+struct LeverSums {
     cost: f64x4,
     /// `Σ g_x`, `Σ s g_x`, `Σ g_φ`, `Σ s Kᵀ g_φ`
     gradient: [Vectors; 4],
@@ -174,7 +174,7 @@ struct Sums {
     spin: [f64x4; 6],
 }
 
-impl Sums {
+impl LeverSums {
     #[inline]
     fn add<R: Rows>(&mut self, rows: &R, s: f64x4, by_spin: &[Vectors; 3]) {
         let one = f64x4::ONE;

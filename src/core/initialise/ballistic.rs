@@ -63,7 +63,7 @@ pub fn fit(
     };
 
     // The quadratic orthogonal to 1 and a, only along the pull.
-    let quadratic = Quadratic::new(places, middle_s, mean_a, first_norm);
+    let quadratic = FallQuadratic::new(places, middle_s, mean_a, first_norm);
     let mut curvature = Vector3::zeros();
     let mut found = rate;
     if let (None, Some(along)) = (rate, along) {
@@ -97,14 +97,14 @@ pub fn fit(
 }
 
 /// `q(a) = a² − mean(a²) − slope (a − mean a) …`, orthogonal to lines over the samples.
-struct Quadratic {
+struct FallQuadratic {
     mean_a: f64,
     mean_square: f64,
     slope: f64,
     norm: f64,
 }
 
-impl Quadratic {
+impl FallQuadratic {
     fn new(places: &[Place], middle_s: f64, mean_a: f64, first_norm: f64) -> Self {
         let centred = || {
             places

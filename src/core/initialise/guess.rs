@@ -71,7 +71,7 @@ pub fn guess(
         _ => between_marks_s(sketch, segment),
     };
     let rates = rates(scene, segments, &readings, &middle_s, known);
-    let time_line = TimeLine::new(scene, sketch, segments, &rates);
+    let time_line = GuessedTimes::new(scene, sketch, segments, &rates);
     let mut fit_iterations = 0;
     let mut fits: Vec<Vec<Fit>> = Vec::new();
     let mut arcs = Vec::new();
@@ -231,14 +231,14 @@ fn rates(
 }
 
 /// Acted to physical time, linear between breaks.
-struct TimeLine {
+struct GuessedTimes {
     acted_s: Vec<f64>,
     physical_s: Vec<f64>,
     rate_before: f64,
     rate_after: f64,
 }
 
-impl TimeLine {
+impl GuessedTimes {
     /// Breaks at the marks of collisions; between them the mean rate of the segments there.
     fn new(scene: &Scene, sketch: &Sketch, segments: &[Segment], rates: &[f64]) -> Self {
         let fitted = || {

@@ -34,7 +34,7 @@ pub(super) fn place(scene: &Scene, sketch: &Sketch, segments: &[Segment], guess:
             }
             let clock = scene.parameter_of(Quantity::FlightClock { track, flight });
             let clock_s = clock.map_or(0.0, |clock| guess.parameters[clock]);
-            let flown = Flown {
+            let flown = FlownTimes {
                 scene,
                 mechanism: segment.mechanism,
                 lever_m: scene.tracks[track].point_m(),
@@ -56,7 +56,7 @@ pub(super) fn place(scene: &Scene, sketch: &Sketch, segments: &[Segment], guess:
 }
 
 /// A guessed flight, on the clock of a track.
-struct Flown<'a> {
+struct FlownTimes<'a> {
     scene: &'a Scene,
     mechanism: MechanismIndex,
     /// Where the tracker is in body axes \[m\].
@@ -65,7 +65,7 @@ struct Flown<'a> {
     clock_s: f64,
 }
 
-impl Flown<'_> {
+impl FlownTimes<'_> {
     fn at(&self, time_s: f64) -> State {
         let dynamics = self.scene.dynamics(self.mechanism);
         let since_s = time_s + self.clock_s - self.arc.epoch_s;

@@ -204,7 +204,7 @@ impl Pointing<'_> {
         (self.body.moments_kg_m2().mean() / self.body.mass_kg()).sqrt()
     }
 
-    fn told(&self, guess: &Guess) -> Vec<Told<'_>> {
+    fn told(&self, guess: &Guess) -> Vec<ToldRoll<'_>> {
         let Flights {
             scene,
             segments,
@@ -218,7 +218,7 @@ impl Pointing<'_> {
             });
         let goals = goals.iter().filter_map(|(event, goal)| {
             let [before, after] = self.flights.beside(*event, guess);
-            Some(Told::Goal {
+            Some(ToldRoll::Goal {
                 goal: *goal,
                 orientation: before.or(after)?.orientation,
                 arm_m: self.arm_m(),
@@ -227,7 +227,7 @@ impl Pointing<'_> {
         let starts = own.iter().filter_map(|at| segments[*at].start_event);
         let bounces = starts.filter_map(|event| {
             let [before, after] = self.flights.beside(event, guess);
-            Some(Told::Bounce {
+            Some(ToldRoll::Bounce {
                 rebound: Rebound::of(scene, self.mechanism, event)?,
                 states: Box::new([before?, after?]),
             })
@@ -237,7 +237,7 @@ impl Pointing<'_> {
 }
 
 /// What tells how a body is turned about an axis.
-enum Told<'a> {
+enum ToldRoll<'a> {
     Goal {
         goal: UnitQuaternion<f64>,
         orientation: UnitQuaternion<f64>,
@@ -249,7 +249,7 @@ enum Told<'a> {
     },
 }
 
-impl Told<'_> {
+impl ToldRoll<'_> {
     /// How far a turn is off \[m²\].
     fn off_m2(&self, roll: &UnitQuaternion<f64>) -> f64 {
         match self {

@@ -35,7 +35,7 @@ impl Twirl {
 }
 
 /// What is known of a mechanism's rotation at events.
-struct Told {
+struct ToldTwirl {
     orientations: Known<UnitQuaternion<f64>>,
     spins: Known<Spin>,
 }
@@ -71,7 +71,7 @@ impl Flights<'_> {
         is_turned: impl Fn(&usize) -> bool,
         twirl: Option<Twirl>,
         guess: &Guess,
-    ) -> Told {
+    ) -> ToldTwirl {
         let mut orientations = self.at_goals(mechanism, |target| match target {
             GoalTarget::Pose { world_from_body } => Some(world_from_body.rotation),
             _ => None,
@@ -102,7 +102,7 @@ impl Flights<'_> {
             spins.extend(spin.map(|spin| (event, spin)));
         }
         orientations.extend(touching);
-        Told {
+        ToldTwirl {
             orientations,
             spins,
         }
@@ -113,7 +113,7 @@ impl Flights<'_> {
         &self,
         at: usize,
         lasts_s: f64,
-        told: &Told,
+        told: &ToldTwirl,
         twirl: Option<Twirl>,
         guess: &Guess,
     ) -> (UnitQuaternion<f64>, Vector3<f64>) {

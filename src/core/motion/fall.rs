@@ -58,7 +58,7 @@ pub fn falls(
     is_wanted: impl Fn(&Vector3<f64>, f64) -> bool,
 ) -> Vec<Fall> {
     let count = times_s.len().min(points.len());
-    let path = Path {
+    let path = FallPath {
         times_s: &times_s[..count],
         points: &points[..count],
     };
@@ -106,13 +106,13 @@ pub fn falls(
 /// The acceleration of the parabola through a path, and the standard deviation of each component [unit of the
 /// path over s²]; `None` for fewer than four samples.
 pub fn acceleration(times_s: &[f64], points: &[Vector3<f64>]) -> Option<(Vector3<f64>, f64)> {
-    let path = Path { times_s, points };
+    let path = FallPath { times_s, points };
     let fall = path.parabola(0..times_s.len().min(points.len()))?.fall();
     Some((fall.acceleration, fall.acceleration_sd))
 }
 
 #[derive(Clone, Copy)]
-struct Path<'a> {
+struct FallPath<'a> {
     times_s: &'a [f64],
     points: &'a [Vector3<f64>],
 }
@@ -130,7 +130,7 @@ struct Parabola {
     scatter: f64,
 }
 
-impl Path<'_> {
+impl FallPath<'_> {
     fn parabola(self, samples: Range<usize>) -> Option<Parabola> {
         let times_s = &self.times_s[samples.clone()];
         let points = &self.points[samples.clone()];

@@ -75,14 +75,14 @@ pub struct Finished {
 
 /// How much of a step was taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Taken {
+enum StepTaken {
     Whole,
     Part,
     Not,
 }
 
 /// Where a step leads.
-struct Place<T> {
+struct FinishPlace<T> {
     point: T,
     system: System,
     multipliers: Vec<f64>,
@@ -143,14 +143,14 @@ impl<P: Program> Finish<'_, P> {
             finished.decrease = match (taken, promised_before) {
                 // Convergence is at least linear: the next predicted decrease is smaller by at
                 // least the last ratio.
-                (Taken::Whole, Some(before)) => promised * (promised / before).min(1.0),
+                (StepTaken::Whole, Some(before)) => promised * (promised / before).min(1.0),
                 _ => promised,
             };
-            if taken != Taken::Not {
+            if taken != StepTaken::Not {
                 self.go(&mut trial);
             }
             // A damped step promises little wherever it is.
-            let is_restored = taken != Taken::Not && self.damping > 0.0 && {
+            let is_restored = taken != StepTaken::Not && self.damping > 0.0 && {
                 merits.push(self.merit());
                 finished.decrease = finished.decrease.max(self.gained(&merits));
                 finished.decrease < tolerances.decrease
@@ -166,10 +166,10 @@ impl<P: Program> Finish<'_, P> {
             finished.converged = is_met
                 && finished.decrease < tolerances.decrease
                 && (is_restored || self.damping == 0.0 || undamped.is_some());
-            if finished.converged || taken == Taken::Not && !self.can_damp() {
+            if finished.converged || taken == StepTaken::Not && !self.can_damp() {
                 break;
             }
-            if taken == Taken::Whole {
+            if taken == StepTaken::Whole {
                 self.relax();
             } else if may_damp {
                 self.damp();
@@ -177,9 +177,9 @@ impl<P: Program> Finish<'_, P> {
             // Shortened or slowly converging steps mean that the Gauss–Newton model lacks
             // curvature.
             let is_late = taken_before + 1 >= SLOW_STEPS;
-            is_slow |= taken != Taken::Whole
+            is_slow |= taken != StepTaken::Whole
                 || is_late && promised_before.is_some_and(|before| promised > SLOW * before);
-            promised_before = (taken == Taken::Whole).then_some(promised);
+            promised_before = (taken == StepTaken::Whole).then_some(promised);
         }
         finished
     }

@@ -19,7 +19,7 @@ use crate::motion::{EventKind, Scene, Stamp, TrackIndex};
 const INTERVAL_NS: i64 = 1_000_000;
 
 /// One track's position on the time line \[ns\].
-struct Joined<'a> {
+struct JoinedSegments<'a> {
     segments: std::slice::Iter<'a, Vec<Reading>>,
     /// Beginning of the next segment.
     begin_ns: i64,
@@ -45,8 +45,10 @@ pub(super) fn join(
     let zero = firsts.map(|sample| sample.stamp.0).min().unwrap_or(0);
     // The whole time line is within a few limits of its zero, so that sums do not overflow.
     let zero = zero.min(i64::MAX - 4 * limit_ns);
-    let joined = segments.iter().map(|track| Joined::new(track, zero));
-    let mut tracks: TiVec<TrackIndex, Joined> = joined.collect();
+    let joined = segments
+        .iter()
+        .map(|track| JoinedSegments::new(track, zero));
+    let mut tracks: TiVec<TrackIndex, JoinedSegments> = joined.collect();
     let mut stamps = Vec::new();
     let mut last_ns = zero;
     for event in &scene.events {
@@ -100,7 +102,7 @@ fn check_span(last: Stamp, first: Stamp, limit_s: f64) -> Result<(), SegmentErro
     Ok(())
 }
 
-impl<'a> Joined<'a> {
+impl<'a> JoinedSegments<'a> {
     fn new(segments: &'a [Vec<Reading>], zero_ns: i64) -> Self {
         let mut intervals: Vec<i64> = segments
             .iter()

@@ -52,7 +52,7 @@ pub(super) fn drop_outliers(stream: &mut Vec<Reading>, counts: &mut SampleCounts
 
 /// Which readings of a stream in order of time are outliers; empty if none is.
 fn outliers(stream: &[Reading]) -> Vec<bool> {
-    let Some(path) = Path::new(stream) else {
+    let Some(path) = OutlierPath::new(stream) else {
         return Vec::new();
     };
     let mut dropped = Vec::new();
@@ -85,7 +85,7 @@ struct PlacedPose {
 }
 
 /// Readings and the usual distances between them.
-struct Path {
+struct OutlierPath {
     readings: Vec<PlacedPose>,
     position: Usual,
     orientation: Usual,
@@ -134,7 +134,7 @@ struct Zone {
     end: usize,
 }
 
-impl Path {
+impl OutlierPath {
     fn new(stream: &[Reading]) -> Option<Self> {
         if stream.len() < READINGS_MIN {
             return None;

@@ -16,7 +16,7 @@ use crate::motion::{Scene, Timing, TrackIndex, TrackSketch};
 
 /// Prefix sums over a track's samples, to fit any stretch of them.
 pub(super) struct PrefixSums {
-    sums: Vec<Sums>,
+    sums: Vec<RunningSums>,
     /// Direction of gravity where the tempo is unknown, so that the size of the curvature in acted
     /// time is unknown too.
     free_along: Option<Vector3<f64>>,
@@ -27,7 +27,7 @@ const BEND_NUMBERS: usize = 4;
 
 /// `Σ a^k`, `Σ a^k p` and `Σ |p|²`.
 #[derive(Clone, Copy, Default)]
-struct Sums {
+struct RunningSums {
     powers: [f64; 5],
     moments: [Vector3<f64>; 3],
     square: f64,
@@ -86,7 +86,7 @@ impl PrefixSums {
         points: impl Iterator<Item = Option<(f64, Vector3<f64>)>>,
         free_along: Option<Vector3<f64>>,
     ) -> Self {
-        let mut running = Sums::default();
+        let mut running = RunningSums::default();
         let mut sums = vec![running];
         for point in points {
             // A sample that does not show it adds nothing.

@@ -88,7 +88,7 @@ pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Prop
             vec![None; count.unwrap_or(0)]
         };
         let toss = toss(scene, index, track);
-        let flown = toss.map(|toss| Flown::new(track, &toss, collisions.len()));
+        let flown = toss.map(|toss| FlownPart::new(track, &toss, collisions.len()));
         let stream = Stream::new(scene, index, flown.as_ref().map_or(track, |of| &of.track));
         let cuts = match &flown {
             Some(flown) => flown.cuts(scene, index, &collisions),
@@ -121,13 +121,13 @@ pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Prop
 }
 
 /// What flies of a toss, from its release on.
-struct Flown {
+struct FlownPart {
     track: TrackSketch,
     /// Where flights end by impacts: as many as are seen of those that are wanted.
     impacts: Vec<usize>,
 }
 
-impl Flown {
+impl FlownPart {
     fn new(track: &TrackSketch, toss: &Toss, collisions: usize) -> Self {
         let begin = toss.flights[0].start;
         let impacts = toss.flights.iter().map(|flight| flight.end - begin);

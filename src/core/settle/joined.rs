@@ -103,7 +103,7 @@ impl Joined {
             inserted.expect("a tree has no circles");
         }
         move_to(world, root, base.map(|base| base.state), &hinges);
-        let springs_j = hinges.iter().map(Hinge::energy_j).sum();
+        let springs_j = hinges.iter().map(MotorHinge::energy_j).sum();
         let balls = hinges.iter().filter(|hinge| hinge.is_ball());
         let balls = balls.map(|hinge| (hinge.ends.child, hinge.spring[0]));
         Self {
@@ -139,7 +139,7 @@ struct Ends {
 }
 
 /// One joint of a multibody, and how it moves: about an axis, about any, or not at all.
-struct Hinge {
+struct MotorHinge {
     ends: Ends,
     joint: GenericJoint,
     /// An angle, or the rotation vector of a ball.
@@ -152,7 +152,7 @@ struct Hinge {
     spring: [f64; 2],
 }
 
-impl Hinge {
+impl MotorHinge {
     fn is_ball(&self) -> bool {
         self.angles_rad.len() == 3
     }
@@ -179,7 +179,7 @@ fn pins(
     ends: Ends,
     joint: &tree::Joint,
     [angles_rad, rates_rad_s]: [&[f64]; 2],
-) -> Vec<Hinge> {
+) -> Vec<MotorHinge> {
     let axes = joint.kind.axes();
     let mut parent = ends.parent;
     let mut parent_from_joint = joint.parent_from_joint;
@@ -201,7 +201,7 @@ fn pins(
             let limits = [least.min(angle_rad), greatest.max(angle_rad)];
             pin.set_limits(JointAxis::AngX, limits);
         }
-        pins.push(Hinge {
+        pins.push(MotorHinge {
             ends: Ends {
                 parent,
                 child,
@@ -220,7 +220,12 @@ fn pins(
 
 /// A joint with all angles free or none, by the states of what it hangs from (none: the world) and of
 /// what hangs on it.
-fn ball_or_weld(ends: Ends, joint: &tree::Joint, parent: Option<&State>, child: &State) -> Hinge {
+fn ball_or_weld(
+    ends: Ends,
+    joint: &tree::Joint,
+    parent: Option<&State>,
+    child: &State,
+) -> MotorHinge {
     let is_ball = joint.kind == JointKind::Ball;
     let mut tied = GenericJoint::new(match is_ball {
         true => JointAxesMask::LOCKED_SPHERICAL_AXES,
@@ -234,7 +239,7 @@ fn ball_or_weld(ends: Ends, joint: &tree::Joint, parent: Option<&State>, child: 
     let turn = world_from_joint.inverse() * child.orientation * joint.link_from_joint.rotation;
     let against = spin(child) - parent.map_or(Vector3::zeros(), spin);
     let free = if is_ball { 3 } else { 0 };
-    Hinge {
+    MotorHinge {
         ends,
         joint: tied,
         angles_rad: so3::log(&turn).as_slice()[..free].to_vec(),
@@ -248,7 +253,12 @@ fn ball_or_weld(ends: Ends, joint: &tree::Joint, parent: Option<&State>, child: 
 }
 
 /// Moves a multibody to where and as fast as its joints are; its base in a state, or fixed.
-fn move_to(world: &mut PhysicsWorld, root: RigidBodyHandle, base: Option<State>, hinges: &[Hinge]) {
+fn move_to(
+    world: &mut PhysicsWorld,
+    root: RigidBodyHandle,
+    base: Option<State>,
+    hinges: &[MotorHinge],
+) {
     let joints = &mut world.multibody_joints;
     let id = joints
         .rigid_body_link(root)

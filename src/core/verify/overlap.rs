@@ -22,7 +22,7 @@ const LOOKS: f64 = 1e6;
 const SECTIONS: usize = 40;
 
 /// The result of the distance query at one time.
-struct Look {
+struct OverlapLook {
     /// Distance of the shapes \[m\].
     gap_m: f64,
     /// Depth of the overlap that no expected contact explains \[m\]; negative outside.
@@ -144,7 +144,7 @@ impl<'w, 'm> OverlapScan<'w, 'm> {
         }
     }
 
-    fn look(&self, time_s: f64) -> Look {
+    fn look(&self, time_s: f64) -> OverlapLook {
         let closest = self.meeting.closest(time_s);
         let mut gap_m = closest.gap_m;
         let mut owner = None;
@@ -169,7 +169,7 @@ impl<'w, 'm> OverlapScan<'w, 'm> {
                 gap_m = gap_m.max(of_feature);
             }
         }
-        Look {
+        OverlapLook {
             gap_m: closest.gap_m,
             depth_m: -gap_m,
             penetration: Penetration {
@@ -183,7 +183,7 @@ impl<'w, 'm> OverlapScan<'w, 'm> {
         }
     }
 
-    fn note(&self, look: &Look, touches: &mut [Touch]) {
+    fn note(&self, look: &OverlapLook, touches: &mut [Touch]) {
         let Some(owner) = look.owner else { return };
         let Penetration { link, against, .. } = look.penetration;
         let touch = touches.iter_mut().filter(|touch| {

@@ -35,7 +35,7 @@ struct SimulatedFlight {
     state: State,
 }
 
-struct Shot<'w> {
+struct FreeShot<'w> {
     world: &'w World<'w>,
     /// One per link with arcs.
     flights: TiVec<LinkIndex, Option<SimulatedFlight>>,
@@ -52,7 +52,7 @@ pub(super) fn shoot<'w>(world: &'w World<'w>) -> SingleShot {
             state: link.state(first, first.start_s),
         })
     });
-    let mut shot = Shot {
+    let mut shot = FreeShot {
         world,
         flights: flights.collect(),
         result: SingleShot::default(),
@@ -66,7 +66,7 @@ pub(super) fn shoot<'w>(world: &'w World<'w>) -> SingleShot {
     shot.result
 }
 
-impl Shot<'_> {
+impl FreeShot<'_> {
     fn collide(&mut self, event: &EventEstimate) {
         let collision = self.world.scene.events[event.event].kind.collision();
         let links: Vec<LinkIndex> = collision

@@ -11,7 +11,7 @@ use super::units::{AngleUnit, TimeUnit};
 use crate::motion::LengthUnit;
 
 /// The columns of a name, with what they mean.
-struct Named<'n> {
+struct NamedColumn<'n> {
     line: usize,
     names: &'n [String],
     columns: Vec<Option<Column>>,
@@ -43,7 +43,7 @@ pub(super) fn layout(
     names: &[String],
     order: Option<QuaternionOrder>,
 ) -> Result<Layout, Fault> {
-    let named = Named {
+    let named = NamedColumn {
         line,
         names,
         columns: names.iter().map(|name| column(name)).collect(),
@@ -104,7 +104,7 @@ fn is_skipped(name: &str) -> bool {
     name == "-" || name.is_empty()
 }
 
-impl Named<'_> {
+impl NamedColumn<'_> {
     fn fault<T>(&self, message: impl Into<String>) -> Result<T, Fault> {
         fault(self.line, message)
     }

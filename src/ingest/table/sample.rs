@@ -41,14 +41,14 @@ pub(super) struct Reader {
 }
 
 /// What a row holds of a body.
-enum Reading {
+enum CellReading {
     Sample(PoseSample),
     Unseen(Unseen),
 }
 
 /// The samples of a body while they are read.
 #[derive(Default)]
-struct Rows {
+struct SampledRows {
     body: BodyPoses,
     times: Vec<RowTime>,
     /// Days that have passed since the first row \[ns\].
@@ -63,7 +63,7 @@ pub(super) fn bodies(
     is_open: bool,
     lost: &mut Vec<String>,
 ) -> Result<Vec<BodyPoses>, Fault> {
-    let mut all: Vec<Rows> = Vec::new();
+    let mut all: Vec<SampledRows> = Vec::new();
     let mut of_name: BTreeMap<Option<String>, usize> = BTreeMap::new();
     for (index, row) in rows.iter().enumerate() {
         for (column, columns) in layout.bodies.iter().enumerate() {
@@ -80,7 +80,7 @@ pub(super) fn bodies(
                     Some(name) => row.cells.get(name).cloned(),
                     None => columns.name.clone(),
                 };
-                all.push(Rows::default());
+                all.push(SampledRows::default());
                 all[at].body.name = name;
             }
             let of_body = &mut all[at];
@@ -90,10 +90,10 @@ pub(super) fn bodies(
                 None => index,
             };
             match reader.read(columns, row, place) {
-                Ok(Reading::Sample(sample)) => {
+                Ok(CellReading::Sample(sample)) => {
                     of_body.add(sample, row.number, reader.clock.wraps())
                 }
-                Ok(Reading::Unseen(why)) => of_body.body.unseen.add(why),
+                Ok(CellReading::Unseen(why)) => of_body.body.unseen.add(why),
                 Err(_) if is_open && index + 1 == rows.len() => {
                     lost.push(format!("line {}: the last, which is cut off", row.number));
                 }
@@ -121,7 +121,7 @@ pub(super) fn bodies(
     Ok(bodies)
 }
 
-impl Rows {
+impl SampledRows {
     fn add(&mut self, mut sample: PoseSample, line: usize, wraps: bool) {
         if let Some(last) = self.times.last().filter(|_| wraps)
             && sample.stamp.0 + self.days_ns < last.ns - HALF_DAY_NS
@@ -176,19 +176,19 @@ impl Rows {
 
 impl Reader {
     /// What a row holds of a body.
-    fn read(&self, columns: &BodyColumns, row: &Line, place: usize) -> Result<Reading, Fault> {
+    fn read(&self, columns: &BodyColumns, row: &Line, place: usize) -> Result<CellReading, Fault> {
         if let Some(why) = columns.seen.iter().find_map(|column| unseen(*column, row)) {
-            return Ok(Reading::Unseen(why));
+            return Ok(CellReading::Unseen(why));
         }
         let position = match self.numbers(row, &columns.position)? {
             Ok(position) => position,
-            Err(why) => return Ok(Reading::Unseen(why)),
+            Err(why) => return Ok(CellReading::Unseen(why)),
         };
         if is_sentinel(position) {
-            return Ok(Reading::Unseen(Unseen::Sentinel));
+            return Ok(CellReading::Unseen(Unseen::Sentinel));
         }
         if self.is_zero_unseen && position == [0.0; 3] {
-            return Ok(Reading::Unseen(Unseen::Zeros));
+            return Ok(CellReading::Unseen(Unseen::Zeros));
         }
         let position_m = self.preset.vector(position).map(|of| of / self.per_metre);
         let position_m = Vector3::from(position_m);
@@ -197,7 +197,7 @@ impl Reader {
                 let stamp = Stamp(self.clock.of(row, place)?);
                 let sample = PoseSample::new(stamp, position_m, [f64::NAN; 4]);
                 let holds = Holds::Position;
-                return Ok(Reading::Sample(PoseSample { holds, ..sample }));
+                return Ok(CellReading::Sample(PoseSample { holds, ..sample }));
             }
             Orientation::Quaternion(columns) => self.numbers(row, columns)?,
             Orientation::Matrix(columns) => self
@@ -210,13 +210,13 @@ impl Reader {
         };
         let quaternion = match quaternion {
             // Of no orientation at all.
-            Ok(parts) if parts == [0.0; 4] => return Ok(Reading::Unseen(Unseen::Zeros)),
+            Ok(parts) if parts == [0.0; 4] => return Ok(CellReading::Unseen(Unseen::Zeros)),
             Ok(parts) => parts,
-            Err(why) => return Ok(Reading::Unseen(why)),
+            Err(why) => return Ok(CellReading::Unseen(why)),
         };
         let stamp = Stamp(self.clock.of(row, place)?);
         let quaternion = self.preset.quaternion(quaternion);
-        Ok(Reading::Sample(PoseSample::new(
+        Ok(CellReading::Sample(PoseSample::new(
             stamp, position_m, quaternion,
         )))
     }

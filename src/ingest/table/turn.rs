@@ -12,11 +12,11 @@ pub struct Turn {
     pub name: &'static str,
     /// In words.
     pub about: &'static str,
-    kind: Kind,
+    kind: TurnKind,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum TurnKind {
     /// Axis times angle.
     Vector,
     /// Turns about the body's own axes, one after the other: the product of the matrices in this order.
@@ -28,42 +28,42 @@ pub const TURNS: [Turn; 8] = [
     Turn {
         name: "vector",
         about: "rotation vector: axis times angle (Vicon Nexus: helical)",
-        kind: Kind::Vector,
+        kind: TurnKind::Vector,
     },
     Turn {
         name: "rpy",
         about: "roll, pitch, yaw about x, y, z: Rz(yaw)·Ry(pitch)·Rx(roll) (ROS, PX4, QTM, rpy_deg of scenes)",
-        kind: Kind::Axes([2, 1, 0]),
+        kind: TurnKind::Axes([2, 1, 0]),
     },
     Turn {
         name: "euler-xyz",
         about: "about the body's x, then y, then z: Rx·Ry·Rz (Motive: XYZ)",
-        kind: Kind::Axes([0, 1, 2]),
+        kind: TurnKind::Axes([0, 1, 2]),
     },
     Turn {
         name: "euler-xzy",
         about: "Rx·Rz·Ry",
-        kind: Kind::Axes([0, 2, 1]),
+        kind: TurnKind::Axes([0, 2, 1]),
     },
     Turn {
         name: "euler-yxz",
         about: "Ry·Rx·Rz (Unity, three.js YXZ)",
-        kind: Kind::Axes([1, 0, 2]),
+        kind: TurnKind::Axes([1, 0, 2]),
     },
     Turn {
         name: "euler-yzx",
         about: "Ry·Rz·Rx",
-        kind: Kind::Axes([1, 2, 0]),
+        kind: TurnKind::Axes([1, 2, 0]),
     },
     Turn {
         name: "euler-zxy",
         about: "Rz·Rx·Ry",
-        kind: Kind::Axes([2, 0, 1]),
+        kind: TurnKind::Axes([2, 0, 1]),
     },
     Turn {
         name: "euler-zyx",
         about: "Rz·Ry·Rx, the same as rpy",
-        kind: Kind::Axes([2, 1, 0]),
+        kind: TurnKind::Axes([2, 1, 0]),
     },
 ];
 
@@ -86,8 +86,8 @@ impl Turn {
     /// The quaternion `[x, y, z, w]` of angles about x, y, z \[rad\].
     pub(super) fn quaternion(&self, angles_rad: [f64; 3]) -> [f64; 4] {
         let turned = match self.kind {
-            Kind::Vector => UnitQuaternion::from_scaled_axis(Vector3::from(angles_rad)),
-            Kind::Axes(axes) => axes
+            TurnKind::Vector => UnitQuaternion::from_scaled_axis(Vector3::from(angles_rad)),
+            TurnKind::Axes(axes) => axes
                 .iter()
                 .fold(UnitQuaternion::identity(), |turned, axis| {
                     let mut about = Vector3::zeros();

@@ -57,7 +57,7 @@ pub(super) fn step_s(scene: &Scene, motion: &WrittenMotion) -> Option<f64> {
     let until = motion.simulated_from.map_or(until, |at| at.min(until));
     let mut moves: f64 = 0.0;
     for (link, samples) in motion.estimates.iter_enumerated() {
-        let body = Size::of(scene, link);
+        let body = PlanSize::of(scene, link);
         let before = samples.iter().filter(|sample| sample.stamp <= until);
         let before: Vec<&PoseSample> = before.collect();
         let ways = before
@@ -80,7 +80,7 @@ fn extent(motion: &WrittenMotion) -> Option<[Stamp; 2]> {
 }
 
 /// How far what is seen of a body moves, in its radii.
-fn way_radii(a: &PoseSample, b: &PoseSample, body: &Size) -> f64 {
+fn way_radii(a: &PoseSample, b: &PoseSample, body: &PlanSize) -> f64 {
     let [from, to] = [a, b].map(pose);
     let turn_rad = from.rotation.angle_to(&to.rotation);
     let way_m = (to.translation.vector - from.translation.vector).norm();
@@ -88,13 +88,13 @@ fn way_radii(a: &PoseSample, b: &PoseSample, body: &Size) -> f64 {
 }
 
 /// How large a body is.
-struct Size {
+struct PlanSize {
     radius_m: f64,
     /// From 0 of what is as long as wide to 1 of a line.
     length: f64,
 }
 
-impl Size {
+impl PlanSize {
     fn of(scene: &Scene, link: LinkIndex) -> Self {
         let shape = &scene.links[link].shape;
         let corners = mesh(shape).into_iter().flatten();
@@ -145,7 +145,7 @@ pub(super) fn flashes(
             shows,
         };
         let is_simulated = |at: Stamp| motion.simulated_from.is_some_and(|from| at > from);
-        let body = Size::of(scene, link);
+        let body = PlanSize::of(scene, link);
         let seen = instants(motion, step_s).into_iter();
         let mut settled: Option<PoseSample> = None;
         for sample in seen.filter_map(|at| motion_at(motion, link, at)) {

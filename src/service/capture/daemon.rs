@@ -103,7 +103,7 @@ pub fn capture(
         let mut interrupt = signal(SignalKind::interrupt())?;
         let mut hangup = signal(SignalKind::hangup())?;
         let mut running = Running::start(job).await?;
-        let mut account = Account::begin(&mut running, each, show)?;
+        let mut account = DaemonAccount::begin(&mut running, each, show)?;
         tell("READY=1");
         let mut checks = tokio::time::interval(CHECKED);
         let mut is_enough = None;
@@ -140,13 +140,13 @@ pub fn capture(
 }
 
 /// The thread that says what happens.
-struct Account {
+struct DaemonAccount {
     said: tokio::sync::oneshot::Receiver<anyhow::Result<bool>>,
     /// Whether nothing is lost so far.
     is_whole: Arc<AtomicBool>,
 }
 
-impl Account {
+impl DaemonAccount {
     fn begin(
         running: &mut Running,
         mut each: impl FnMut(&CaptureEvent) -> anyhow::Result<()> + Send + 'static,

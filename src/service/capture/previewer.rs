@@ -60,7 +60,7 @@ impl Observer for Until<'_> {
 }
 
 /// A take that is followed.
-struct Following {
+struct PreviewFollowing {
     take: u64,
     preview: Preview,
     marks: u64,
@@ -73,7 +73,7 @@ struct Following {
 impl Previewer {
     /// Follows takes until the queue is closed.
     pub(super) fn run(self, queue: &Receiver<PreviewInput>) {
-        let mut following: Option<Following> = None;
+        let mut following: Option<PreviewFollowing> = None;
         let mut rested = Instant::now();
         loop {
             let is_due = following.as_ref().is_some_and(|f| f.is_due);
@@ -101,7 +101,7 @@ impl Previewer {
         }
     }
 
-    fn take_in(&self, following: &mut Option<Following>, message: PreviewInput) {
+    fn take_in(&self, following: &mut Option<PreviewFollowing>, message: PreviewInput) {
         self.metrics.previews_waiting.take();
         let PreviewInput::Events {
             take,
@@ -112,7 +112,7 @@ impl Previewer {
             *following = None;
             return;
         };
-        let new = || Following {
+        let new = || PreviewFollowing {
             take,
             preview: Preview::new(self.scene.clone()),
             marks: 0,
@@ -131,7 +131,7 @@ impl Previewer {
     }
 
     /// Makes an estimate, shows it, and publishes it after a mark; returns how long it took.
-    fn estimate(&self, following: &mut Following) -> Duration {
+    fn estimate(&self, following: &mut PreviewFollowing) -> Duration {
         let (take, marks) = (following.take, following.marks);
         following.is_due = false;
         let begun = Instant::now();

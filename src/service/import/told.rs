@@ -144,7 +144,7 @@ pub(super) fn told(named: &Named, samples: &[&PoseSample], scene: Option<&Scene>
         && let Some(unit) = unit_of(&longest.acceleration, longest.acceleration_sd)
     {
         let begin_s = times_s[longest.samples.start];
-        let flight = Flight {
+        let flight = ToldFlight {
             fall: longest,
             unit,
             begin_s,
@@ -166,14 +166,14 @@ pub(super) fn told(named: &Named, samples: &[&PoseSample], scene: Option<&Scene>
 }
 
 /// A flight, the unit that its fall would have, and when it begins.
-struct Flight<'a> {
+struct ToldFlight<'a> {
     fall: &'a Fall,
     unit: LengthUnit,
     begin_s: f64,
 }
 
 /// What a flight tells of axes and units.
-fn fall(named: &Named, flight: &Flight, gravity: &Gravity, told: &mut Told) {
+fn fall(named: &Named, flight: &ToldFlight, gravity: &Gravity, told: &mut Told) {
     let (name, preset) = (&named.name, named.table.preset);
     let (fall, unit) = (flight.fall, flight.unit);
     let down = fall.acceleration.normalize();

@@ -23,7 +23,7 @@ pub enum Density {
 }
 
 /// The keyframes that there may be of one flight, in order of time.
-struct Flight {
+struct KeyframeFlight {
     track: TrackIndex,
     /// Its number among the track's, from 0.
     number: usize,
@@ -32,7 +32,7 @@ struct Flight {
 
 /// A motion of which keyframes are chosen.
 pub(super) struct Motion {
-    flights: Vec<Flight>,
+    flights: Vec<KeyframeFlight>,
     marks: Vec<Mark>,
 }
 
@@ -84,7 +84,7 @@ impl Motion {
                     let to = mark.map_or(keyframes.len(), |mark| {
                         keyframes.partition_point(|(stamp, _)| *stamp <= mark.stamp)
                     });
-                    flights.push(Flight {
+                    flights.push(KeyframeFlight {
                         track,
                         number: stream,
                         keyframes: keyframes[from..to.max(from)].to_vec(),
@@ -142,7 +142,7 @@ impl Motion {
                         keyframe(scene, track, arc, estimate.gravity_m_s2, at, time_s),
                     )
                 });
-                flights.push(Flight {
+                flights.push(KeyframeFlight {
                     track,
                     number: if is_edited { number } else { 0 },
                     keyframes: keyframes.collect(),

@@ -13,7 +13,7 @@ use crate::motion::{KeyframeTime, Scene, SketchRow, Stamp, Timing, TrackIndex};
 const INTERVAL_NS: i64 = 50_000_000;
 
 /// A row in the order of one stream.
-struct Place {
+struct StreamPlace {
     /// Index of the row.
     row: usize,
     /// Number of the keyframe in its stream, from 1.
@@ -54,7 +54,7 @@ fn place_stream(
     stamps: &mut [Stamp],
 ) -> anyhow::Result<()> {
     let (places, aside) = in_order(rows, scene, (track, flight));
-    let named = |place: &Place| {
+    let named = |place: &StreamPlace| {
         let body = &scene.link_seen_by(track).name;
         let flight = match scene.timing {
             Timing::Edited => format!(" in flight {}", flight + 1),
@@ -126,7 +126,7 @@ fn in_order<'r>(
     rows: &'r [SketchRow],
     scene: &Scene,
     stream: (TrackIndex, usize),
-) -> (Vec<Place>, Vec<&'r SketchRow>) {
+) -> (Vec<StreamPlace>, Vec<&'r SketchRow>) {
     let (mut places, mut aside) = (Vec::new(), Vec::new());
     let mut number = 0;
     let known = |row: &SketchRow| match row {
@@ -171,13 +171,13 @@ fn in_order<'r>(
                 [Some(mark.stamp.0); 2]
             }
         };
-        places.push(Place { row, number, own });
+        places.push(StreamPlace { row, number, own });
     }
     (places, aside)
 }
 
 /// Mean interval between the known times of a stream \[ns\].
-fn interval_ns(places: &[Place]) -> i64 {
+fn interval_ns(places: &[StreamPlace]) -> i64 {
     let known = places.iter().filter(|place| place.own[0] == place.own[1]);
     let known: Vec<i64> = known.filter_map(|place| place.own[0]).collect();
     match known.as_slice() {

@@ -53,7 +53,7 @@ pub fn digest(file: &mut (impl Read + Seek), topic: &str) -> io::Result<Option<D
     if !is_verified(&section, saved) {
         return Ok(None);
     }
-    let Some(found) = Found::of(&section[..section.len() - END_BYTES], topic) else {
+    let Some(found) = DigestFound::of(&section[..section.len() - END_BYTES], topic) else {
         return Ok(None);
     };
     let mut short = [MAGIC, &found.definitions[..]].concat();
@@ -82,14 +82,14 @@ fn read(file: &mut (impl Read + Seek), (at, length): Place) -> io::Result<Vec<u8
 }
 
 /// What a summary says.
-struct Found {
+struct DigestFound {
     messages: u64,
     definitions: Vec<u8>,
     metadata: Vec<Place>,
     chunk: Option<Place>,
 }
 
-impl Found {
+impl DigestFound {
     /// `None` where it has no count of messages, or a record of it cannot be read.
     fn of(summary: &[u8], topic: &str) -> Option<Self> {
         let mut messages = None;

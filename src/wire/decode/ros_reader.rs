@@ -18,7 +18,7 @@ const NAME_BYTES: usize = 1 << 10;
 
 /// How fields lie one after the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Layout {
+enum RosLayout {
     /// Aligned to their sizes.
     Cdr { is_big_endian: bool },
     /// Without padding, in little-endian order.
@@ -30,7 +30,7 @@ pub(super) struct RosReader<'a> {
     /// The message after its encapsulation header; alignment counts from its first byte.
     data: &'a [u8],
     at: usize,
-    layout: Layout,
+    layout: RosLayout,
     /// Bytes before `data`.
     before: usize,
 }
@@ -55,7 +55,7 @@ impl<'a> RosReader<'a> {
         Ok(Self {
             data: &data[ENCAPSULATION_BYTES..],
             at: 0,
-            layout: Layout::Cdr { is_big_endian },
+            layout: RosLayout::Cdr { is_big_endian },
             before: ENCAPSULATION_BYTES,
         })
     }
@@ -65,7 +65,7 @@ impl<'a> RosReader<'a> {
         Self {
             data,
             at: 0,
-            layout: Layout::Ros1,
+            layout: RosLayout::Ros1,
             before: 0,
         }
     }
@@ -89,14 +89,14 @@ impl<'a> RosReader<'a> {
 
     /// A primitive of `N` bytes in little-endian order.
     fn primitive<const N: usize>(&mut self, field: &'static str) -> Result<[u8; N], DecodeError> {
-        if self.layout != Layout::Ros1 {
+        if self.layout != RosLayout::Ros1 {
             self.at = self.at.next_multiple_of(N);
         }
         let bytes = self.data.get(self.at..).and_then(|rest| rest.first_chunk());
         let mut bytes: [u8; N] = *bytes.ok_or_else(|| self.short(field))?;
         self.at += N;
         if self.layout
-            == (Layout::Cdr {
+            == (RosLayout::Cdr {
                 is_big_endian: true,
             })
         {
@@ -137,8 +137,8 @@ impl<'a> RosReader<'a> {
         let bytes = self.take(length, field)?;
         // In CDR the length includes a closing zero; some writers omit it for empty strings.
         let bytes = match self.layout {
-            Layout::Cdr { .. } => bytes.strip_suffix(&[0]).unwrap_or(bytes),
-            Layout::Ros1 => bytes,
+            RosLayout::Cdr { .. } => bytes.strip_suffix(&[0]).unwrap_or(bytes),
+            RosLayout::Ros1 => bytes,
         };
         String::from_utf8(bytes.to_vec()).map_err(|_| DecodeError::RosText(field))
     }
@@ -158,10 +158,10 @@ impl<'a> RosReader<'a> {
     /// A header: stamp and frame id, before which ROS 1 has a number.
     pub(super) fn header(&mut self) -> Result<Header, DecodeError> {
         let seconds = match self.layout {
-            Layout::Cdr { .. } => {
+            RosLayout::Cdr { .. } => {
                 i64::from(self.primitive("header.stamp").map(i32::from_le_bytes)?)
             }
-            Layout::Ros1 => {
+            RosLayout::Ros1 => {
                 self.u32("header.seq")?;
                 i64::from(self.u32("header.stamp")?)
             }

@@ -50,19 +50,19 @@ pub fn scene_of_estimate(container: &Container) -> Option<&[u8]> {
 
 /// What of the report says when the motion is.
 #[derive(Deserialize)]
-struct Report {
+struct MotionReport {
     verdict: String,
     #[serde(default)]
     provenance: Option<Provenance>,
-    events: Vec<EventTime>,
+    events: Vec<WrittenEvent>,
     #[serde(default)]
     parameters: BTreeMap<String, IgnoredAny>,
     settled: Option<Simulated>,
-    time_map: TimeMap,
+    time_map: WrittenTimeMap,
 }
 
 #[derive(Deserialize)]
-struct EventTime {
+struct WrittenEvent {
     name: String,
     time_s: f64,
 }
@@ -73,12 +73,12 @@ struct Simulated {
 }
 
 #[derive(Deserialize)]
-struct TimeMap {
-    physical_zero: Time,
+struct WrittenTimeMap {
+    physical_zero: WrittenTime,
 }
 
 #[derive(Deserialize)]
-struct Time {
+struct WrittenTime {
     sec: i64,
     nsec: i64,
 }
@@ -99,7 +99,7 @@ impl WrittenMotion {
         let mut estimates: TiVec<LinkIndex, Vec<PoseSample>> =
             scene.links.iter().map(|_| Vec::new()).collect();
         let mut sketches = estimates.clone();
-        let mut report: Option<(Report, Vec<u8>)> = None;
+        let mut report: Option<(MotionReport, Vec<u8>)> = None;
         let mut walk = container.walk();
         while let Some(message) = walk.next_message() {
             let Some((topic, has)) = channels.get(&message.channel_id) else {
@@ -124,7 +124,7 @@ impl WrittenMotion {
             samples.dedup_by_key(|sample| sample.stamp);
             make_signs_continuous(samples);
         }
-        let Time { sec, nsec } = report.time_map.physical_zero;
+        let WrittenTime { sec, nsec } = report.time_map.physical_zero;
         let zero = Stamp(sec.saturating_mul(1_000_000_000).saturating_add(nsec));
         let events = report.events.into_iter();
         let events = events.map(|event| (stamp(zero, event.time_s), event.name));
@@ -187,7 +187,7 @@ pub(super) fn json_of(data: &[u8]) -> Result<Vec<u8>, DecodeError> {
 }
 
 /// What it says, and its JSON.
-fn report_of(data: &[u8]) -> Result<(Report, Vec<u8>), DecodeError> {
+fn report_of(data: &[u8]) -> Result<(MotionReport, Vec<u8>), DecodeError> {
     let json = json_of(data)?;
     let report = serde_json::from_slice(&json);
     let report = report.map_err(|error| DecodeError::Json(error.to_string()))?;

@@ -32,7 +32,7 @@ fn ros_name(topic: &str, taken: &mut BTreeSet<String>) -> String {
 }
 
 /// A channel of an estimate and what becomes of it.
-struct Channel<'a> {
+struct RosChannel<'a> {
     topic: &'a str,
     schema: &'a str,
     encoding: &'a str,
@@ -88,7 +88,7 @@ pub fn ros2(
         metadata: [("ROS_DISTRO".to_owned(), "humble".to_owned())].into(),
     };
     writer.write_metadata(&metadata).map_err(failed)?;
-    let mut channels: BTreeMap<u16, Channel> = BTreeMap::new();
+    let mut channels: BTreeMap<u16, RosChannel> = BTreeMap::new();
     let mut taken = BTreeSet::new();
     let ours = container.channels().iter();
     for (id, channel) in ours.filter(|(_, of)| topics::is_ours(&of.metadata)) {
@@ -109,7 +109,7 @@ pub fn ros2(
         let added = writer
             .add_schema(&record.name, &record.encoding, &record.data)
             .and_then(|schema| writer.add_channel(schema, &topic, "cdr", &metadata));
-        let channel = Channel {
+        let channel = RosChannel {
             topic: &channel.topic,
             schema,
             encoding,

@@ -20,17 +20,17 @@ pub struct WrittenVerdict {
 }
 
 #[derive(Deserialize)]
-struct Report {
+struct VerdictReport {
     verdict: String,
     fits: String,
     reason: String,
-    doubts: Vec<Doubt>,
+    doubts: Vec<WrittenDoubt>,
     #[serde(default)]
     suspects: Vec<IgnoredAny>,
 }
 
 #[derive(Deserialize)]
-struct Doubt {
+struct WrittenDoubt {
     text: String,
 }
 
@@ -48,7 +48,7 @@ impl WrittenVerdict {
                 found = json_of(message.data).ok();
             }
         }
-        let report: Report = serde_json::from_slice(&found?).ok()?;
+        let report: VerdictReport = serde_json::from_slice(&found?).ok()?;
         let doubt = report.doubts.into_iter().next().map(|doubt| doubt.text);
         Some(Self {
             is_good: report.verdict == Verdict::Physical.as_str()

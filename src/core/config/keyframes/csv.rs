@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::{Placed, Written};
+use super::{PlacedKeyframe, WrittenKeyframes};
 use crate::config::error::{Fault, fault};
 use crate::config::keys::nearest;
 
@@ -60,12 +60,12 @@ const COLUMNS: [(&str, Value, i32); 31] = [
 
 /// A field of a line, without the blanks and quotes about it.
 #[derive(Clone, Debug)]
-struct Field {
+struct CsvField {
     text: String,
     span: Range<usize>,
 }
 
-pub(super) fn rows(text: &str) -> Result<Vec<Written>, Fault> {
+pub(super) fn rows(text: &str) -> Result<Vec<WrittenKeyframes>, Fault> {
     let mut lines = lines(text);
     let Some((start, line)) = lines.next() else {
         return fault(0..0, "an empty file, expected a line of column names");
@@ -93,7 +93,7 @@ fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 }
 
 /// The fields of a line. A field in quotes may hold commas, and two quotes stand for one.
-fn fields(start: usize, line: &str) -> Result<Vec<Field>, Fault> {
+fn fields(start: usize, line: &str) -> Result<Vec<CsvField>, Fault> {
     let mut fields = Vec::new();
     let mut at = 0;
     loop {
@@ -111,7 +111,7 @@ fn fields(start: usize, line: &str) -> Result<Vec<Field>, Fault> {
                 .map_or(line.len(), |comma| begin + comma);
             (line[begin..end].trim_end().to_owned(), end)
         };
-        fields.push(Field {
+        fields.push(CsvField {
             span: start + begin..start + end.max(begin),
             text,
         });
@@ -141,7 +141,7 @@ fn quoted(line: &str, begin: usize) -> Option<(String, usize)> {
     None
 }
 
-fn columns(header: &[Field]) -> Result<Vec<(Value, i32)>, Fault> {
+fn columns(header: &[CsvField]) -> Result<Vec<(Value, i32)>, Fault> {
     let names: Vec<&str> = COLUMNS.iter().map(|(name, ..)| *name).collect();
     let mut columns: Vec<(Value, i32)> = Vec::new();
     for field in header {
@@ -169,7 +169,7 @@ fn columns(header: &[Field]) -> Result<Vec<(Value, i32)>, Fault> {
     Ok(columns)
 }
 
-fn row(columns: &[(Value, i32)], start: usize, line: &str) -> Result<Written, Fault> {
+fn row(columns: &[(Value, i32)], start: usize, line: &str) -> Result<WrittenKeyframes, Fault> {
     let fields = fields(start, line)?;
     if fields.len() != columns.len() {
         return fault(
@@ -181,16 +181,16 @@ fn row(columns: &[(Value, i32)], start: usize, line: &str) -> Result<Written, Fa
             ),
         );
     }
-    let mut row = Written {
+    let mut row = WrittenKeyframes {
         span: start..start + line.len(),
-        ..Written::default()
+        ..WrittenKeyframes::default()
     };
     for ((value, power), field) in columns.iter().zip(fields) {
         if field.text.is_empty() {
             continue;
         }
-        let word = |field: Field| {
-            Some(Placed {
+        let word = |field: CsvField| {
+            Some(PlacedKeyframe {
                 value: field.text,
                 span: field.span,
             })
@@ -219,7 +219,7 @@ fn row(columns: &[(Value, i32)], start: usize, line: &str) -> Result<Written, Fa
 }
 
 /// A number times a power of ten, rounded once.
-fn number(field: &Field, power: i32) -> Result<Placed<f64>, Fault> {
+fn number(field: &CsvField, power: i32) -> Result<PlacedKeyframe<f64>, Fault> {
     let text = field.text.as_str();
     let scaled = match power {
         0 => text.to_owned(),
@@ -231,7 +231,7 @@ fn number(field: &Field, power: i32) -> Result<Placed<f64>, Fault> {
         },
     };
     match scaled.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(Placed {
+        Ok(value) if value.is_finite() => Ok(PlacedKeyframe {
             value,
             span: field.span.clone(),
         }),

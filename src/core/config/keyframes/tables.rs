@@ -5,7 +5,7 @@ use std::ops::Range;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{Placed, Written};
+use super::{PlacedKeyframe, WrittenKeyframes};
 use crate::config::counted;
 use crate::config::error::{Fault, SceneError};
 use crate::config::spanned::Spanned;
@@ -47,7 +47,7 @@ struct RawMark {
     t_ms: Option<Spanned<f64>>,
 }
 
-pub(super) fn rows(text: &str) -> Result<Vec<Written>, SceneError> {
+pub(super) fn rows(text: &str) -> Result<Vec<WrittenKeyframes>, SceneError> {
     let raw: RawFile = counted::read(text)?;
     let keyframes = raw.keyframe.into_iter().map(|raw| {
         let span = raw.span();
@@ -57,14 +57,14 @@ pub(super) fn rows(text: &str) -> Result<Vec<Written>, SceneError> {
         let span = raw.span();
         mark(span, raw.into_inner())
     });
-    let rows: Result<Vec<Written>, Fault> = keyframes.chain(marks).collect();
+    let rows: Result<Vec<WrittenKeyframes>, Fault> = keyframes.chain(marks).collect();
     let mut rows = rows.map_err(|fault| SceneError::from_fault(text, fault))?;
     // As they are written: a mark among keyframes says on which side of it each is.
     rows.sort_by_key(|row| row.span.start);
     Ok(rows)
 }
 
-fn keyframe(span: Range<usize>, raw: RawKeyframe) -> Result<Written, Fault> {
+fn keyframe(span: Range<usize>, raw: RawKeyframe) -> Result<WrittenKeyframes, Fault> {
     let position = one(raw.position_m, raw.position_mm, "position_m", "position_mm")?;
     let position = position.map(|(values, thousand)| {
         let span = values.span();
@@ -90,7 +90,7 @@ fn keyframe(span: Range<usize>, raw: RawKeyframe) -> Result<Written, Fault> {
             *to = Some(finite(value, &span)?);
         }
     }
-    Ok(Written {
+    Ok(WrittenKeyframes {
         span,
         body: raw.body.map(placed),
         flight: raw.flight.map(placed),
@@ -111,26 +111,26 @@ fn keyframe(span: Range<usize>, raw: RawKeyframe) -> Result<Written, Fault> {
     })
 }
 
-fn mark(span: Range<usize>, raw: RawMark) -> Result<Written, Fault> {
-    Ok(Written {
+fn mark(span: Range<usize>, raw: RawMark) -> Result<WrittenKeyframes, Fault> {
+    Ok(WrittenKeyframes {
         span,
         event: Some(placed(raw.event)),
         time_s: scaled(raw.t_s, raw.t_ms, "t_s", "t_ms")?,
-        ..Written::default()
+        ..WrittenKeyframes::default()
     })
 }
 
-fn placed<T>(spanned: Spanned<T>) -> Placed<T> {
-    Placed {
+fn placed<T>(spanned: Spanned<T>) -> PlacedKeyframe<T> {
+    PlacedKeyframe {
         span: spanned.span(),
         value: spanned.into_inner(),
     }
 }
 
-fn finite(value: f64, span: &Range<usize>) -> Result<Placed<f64>, Fault> {
+fn finite(value: f64, span: &Range<usize>) -> Result<PlacedKeyframe<f64>, Fault> {
     let span = span.clone();
     if value.is_finite() {
-        return Ok(Placed { value, span });
+        return Ok(PlacedKeyframe { value, span });
     }
     let message = format!("{value}, expected a finite number");
     Err(Fault { span, message })
@@ -159,7 +159,7 @@ fn scaled(
     thousandths: Option<Spanned<f64>>,
     name: &str,
     other: &str,
-) -> Result<Option<Placed<f64>>, Fault> {
+) -> Result<Option<PlacedKeyframe<f64>>, Fault> {
     let found = one(base, thousandths, name, other)?;
     let value = found.map(|(value, thousand)| {
         let span = value.span();

@@ -41,7 +41,7 @@ const DEPENDENT: f64 = 1e-12;
 const FREE: f64 = 1e-9;
 
 /// Derivative and value of one row at the flights alone.
-struct Row {
+struct EventRow {
     value: f64,
     derivative: DVector<f64>,
 }
@@ -107,7 +107,7 @@ pub(super) fn flights(problem: &Problem, event: usize) -> Vec<usize> {
 }
 
 /// The event's equalities and active bounds.
-fn rows(context: &SolveContext, alone: &Alone, event: usize, multipliers: &[f64]) -> Vec<Row> {
+fn rows(context: &SolveContext, alone: &Alone, event: usize, multipliers: &[f64]) -> Vec<EventRow> {
     let structure = &context.layout.structure;
     let mut rows = Vec::new();
     let mut first = 0;
@@ -129,7 +129,7 @@ fn rows(context: &SolveContext, alone: &Alone, event: usize, multipliers: &[f64]
                 for (unknown, by) in pattern.unknowns(row).iter().zip(by) {
                     derivative[*unknown] = *by;
                 }
-                rows.push(Row {
+                rows.push(EventRow {
                     value: block.values[row] - bound + alone.ahead(&derivative),
                     derivative,
                 });
@@ -151,7 +151,7 @@ struct Products {
 }
 
 impl Products {
-    fn new(context: &SolveContext, alone: &Alone, design: &Design, rows: &[Row]) -> Self {
+    fn new(context: &SolveContext, alone: &Alone, design: &Design, rows: &[EventRow]) -> Self {
         let answers = rows.iter().map(|row| {
             let mut answer = row.derivative.clone();
             alone.solve(context, &mut answer);
@@ -216,7 +216,7 @@ impl Products {
 }
 
 /// Columns of the rows' derivative by what the objective does not depend on.
-fn free(alone: &Alone, rows: &[Row]) -> DMatrix<f64> {
+fn free(alone: &Alone, rows: &[EventRow]) -> DMatrix<f64> {
     let size = rows[0].derivative.len();
     let is_free = |unknown: &usize| {
         alone.is_unseen(*unknown) && rows.iter().any(|row| row.derivative[*unknown] != 0.0)

@@ -42,7 +42,7 @@ pub(super) fn test(context: &SolveContext, alone: &Alone, arc: usize) -> Option<
     }
     let errors = alone.errors[problem.views_of(arc)].to_vec();
     let white = noise::white(&errors).map(|variance| variance.max(ROUNDED));
-    let weights = Weights::new(&bins, white);
+    let weights = BinWeights::new(&bins, white);
     let design = Design::of(context, &alone.point, &bins, &[arc]);
     let mut known = part::absorbed(context, alone, &bins, &design, &[arc]);
     let columns = |of: &[Vec<Six>]| -> Vec<DVector<f64>> {
@@ -120,12 +120,12 @@ fn bends(bins: &Bins) -> Vec<Vec<Six>> {
 }
 
 /// Weights of the bins' means, axis by axis: the inverse deviations of white noise, and zero of what is not seen.
-struct Weights<'b> {
+struct BinWeights<'b> {
     bins: &'b Bins,
     white: [f64; 2],
 }
 
-impl<'b> Weights<'b> {
+impl<'b> BinWeights<'b> {
     fn new(bins: &'b Bins, white: [f64; 2]) -> Self {
         Self { bins, white }
     }

@@ -284,7 +284,7 @@ impl ArcCondition {
         states: &[State],
         centres_m: &[Vector3<f64>; 2],
         touching: Option<&Touching>,
-    ) -> Option<Measured> {
+    ) -> Option<MeasuredState> {
         let quantity = &self.condition.quantity;
         let seen_from = quantity.seen_from().and(states.get(1));
         let touched = match (&self.touched, touching) {
@@ -309,14 +309,14 @@ impl ArcCondition {
                 pose += valued.by_point * of;
             }
         }
-        Some(Measured { valued, touched })
+        Some(MeasuredState { valued, touched })
     }
 
     /// Derivative by where a body's centre of mass is: a shift of it is one of all of its points the
     /// other way.
     fn by_centre(
         &self,
-        measured: &Measured,
+        measured: &MeasuredState,
         states: &[State],
         side: usize,
         influence: Influence,
@@ -344,7 +344,7 @@ impl ArcCondition {
     /// Derivative by height or tilt of the surface that is touched.
     fn by_surface(
         &self,
-        measured: &Measured,
+        measured: &MeasuredState,
         touching: Option<&Touching>,
         influence: Influence,
     ) -> Vector3<f64> {
@@ -369,7 +369,7 @@ impl ArcCondition {
 }
 
 /// A quantity with the touch that it is about.
-struct Measured {
+struct MeasuredState {
     valued: Valued,
     touched: Option<TouchedPoint>,
 }

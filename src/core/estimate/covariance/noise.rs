@@ -28,12 +28,12 @@ const CONTRASTS_MIN: usize = 6;
 
 /// Roughness of a wander: Matérn's order.
 #[derive(Clone, Copy, Debug)]
-enum Order {
+enum NoiseOrder {
     Half,
     FiveHalves,
 }
 
-impl Order {
+impl NoiseOrder {
     const ALL: [Self; 2] = [Self::Half, Self::FiveHalves];
 
     /// Correlation at a distance, in correlation times.
@@ -58,7 +58,7 @@ pub struct Noise {
 }
 
 /// One covariance of one kind, with the residuals' Gram matrix under it.
-struct Candidate {
+struct NoiseCandidate {
     /// Index of the correlation.
     shape: usize,
     /// Variance of the wander.
@@ -112,7 +112,7 @@ impl Noise {
         if positions.is_empty() || orientations.is_empty() {
             return Self::white_only(squares);
         }
-        let against = |one: &[Candidate], other: &Candidate| -> Vec<f64> {
+        let against = |one: &[NoiseCandidate], other: &NoiseCandidate| -> Vec<f64> {
             let each = one.iter();
             each.map(|one| one.log_prior + log_likelihood([&one.gram, &other.gram]))
                 .collect()
@@ -127,8 +127,9 @@ impl Noise {
         if !weights.iter().all(is_told) {
             return Self::white_only(squares);
         }
-        let mean =
-            |candidates: &[Candidate], logs: &[f64]| mean_covariance(&shapes, candidates, logs);
+        let mean = |candidates: &[NoiseCandidate], logs: &[f64]| {
+            mean_covariance(&shapes, candidates, logs)
+        };
         Self {
             white,
             wander: [
@@ -163,7 +164,7 @@ impl Noise {
 
 /// Correlations of the bins, row by row, for every roughness and time. Bodies wander independently.
 fn shapes(bins: &Bins) -> Vec<Vec<f64>> {
-    let all = Order::ALL.iter().flat_map(|order| {
+    let all = NoiseOrder::ALL.iter().flat_map(|order| {
         let count = bins.count();
         TIMES.map(|time| {
             let time_s = time * bins.flight_s;
@@ -200,13 +201,13 @@ fn candidates(
     columns: &Columns,
     white: f64,
     square: f64,
-) -> Vec<Candidate> {
+) -> Vec<NoiseCandidate> {
     // Keeps variances positive where there is no noise at all.
     let floor = 1e-9 * square + 1e-300;
     let candidate = |shape: usize, size: f64, log_prior: f64| {
         let each = spectra[shape].iter().zip(per_sample);
         let variances = each.map(|(wander, one)| size * wander + white * one + floor);
-        Some(Candidate {
+        Some(NoiseCandidate {
             shape,
             size,
             log_prior,
@@ -221,7 +222,7 @@ fn candidates(
 }
 
 /// The mean covariance of the candidates, weighted by prior and likelihood.
-fn mean_covariance(shapes: &[Vec<f64>], candidates: &[Candidate], logs: &[f64]) -> Vec<f64> {
+fn mean_covariance(shapes: &[Vec<f64>], candidates: &[NoiseCandidate], logs: &[f64]) -> Vec<f64> {
     let most = logs[largest(logs)];
     let weights: Vec<f64> = logs.iter().map(|log| (log - most).exp()).collect();
     let total: f64 = weights.iter().sum();

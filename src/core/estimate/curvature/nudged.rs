@@ -19,7 +19,7 @@ const PARAMETER_STEP: f64 = 1e-5;
 
 /// The part of the point to which an unknown belongs.
 #[derive(Clone, Copy)]
-enum Owner {
+enum NudgedOwner {
     State {
         arc: usize,
         entry: usize,
@@ -42,7 +42,7 @@ pub(super) struct Nudged<'a> {
     /// The point with nothing displaced.
     pub(super) origin: &'a Point,
     point: Point,
-    owners: Vec<Owner>,
+    owners: Vec<NudgedOwner>,
     /// Two values of `Jᵀν` over all unknowns, zero between uses.
     pulls: [Vec<f64>; 2],
 }
@@ -51,24 +51,24 @@ impl<'a> Nudged<'a> {
     /// The origin, with nothing displaced.
     pub(super) fn new(context: &'a SolveContext<'a>, origin: &'a Point) -> Self {
         let layout = context.layout;
-        let mut owners = vec![Owner::Node; layout.size()];
+        let mut owners = vec![NudgedOwner::Node; layout.size()];
         for (arc, at) in layout.arcs.iter().enumerate() {
             for entry in 0..context.problem.dimension(arc) {
-                owners[at + entry] = Owner::State { arc, entry };
+                owners[at + entry] = NudgedOwner::State { arc, entry };
             }
         }
         for (index, at) in layout.held.iter().enumerate() {
             for entry in 0..state::DIMENSION {
-                owners[at + entry] = Owner::Held { index, entry };
+                owners[at + entry] = NudgedOwner::Held { index, entry };
             }
         }
         for (event, at) in layout.events.iter().enumerate() {
             if let Some(at) = at {
-                owners[*at] = Owner::Event(event);
+                owners[*at] = NudgedOwner::Event(event);
             }
         }
         for (parameter, at) in layout.parameters.iter().enumerate() {
-            owners[*at] = Owner::Parameter(parameter);
+            owners[*at] = NudgedOwner::Parameter(parameter);
         }
         Self {
             context,
@@ -82,9 +82,9 @@ impl<'a> Nudged<'a> {
     /// Step of a difference by an unknown, in its unit.
     pub(super) fn step(&self, unknown: usize) -> f64 {
         match self.owners[unknown] {
-            Owner::State { entry, .. } | Owner::Held { entry, .. } => STEPS[entry / 3],
-            Owner::Event(_) | Owner::Node => TIME_STEP_S,
-            Owner::Parameter(index) => {
+            NudgedOwner::State { entry, .. } | NudgedOwner::Held { entry, .. } => STEPS[entry / 3],
+            NudgedOwner::Event(_) | NudgedOwner::Node => TIME_STEP_S,
+            NudgedOwner::Parameter(index) => {
                 PARAMETER_STEP * self.context.problem.parameters[index].length()
             }
         }
@@ -93,19 +93,19 @@ impl<'a> Nudged<'a> {
     /// Displaces one unknown from the origin; zero restores it.
     fn nudge(&mut self, unknown: usize, by: f64) {
         match self.owners[unknown] {
-            Owner::State { arc, entry } => {
+            NudgedOwner::State { arc, entry } => {
                 self.point.arcs[arc] = nudged(&self.origin.arcs[arc], entry, by);
             }
-            Owner::Held { index, entry } => {
+            NudgedOwner::Held { index, entry } => {
                 self.point.held[index] = nudged(&self.origin.held[index], entry, by);
             }
-            Owner::Event(event) => {
+            NudgedOwner::Event(event) => {
                 self.point.event_times_s[event] = self.origin.event_times_s[event] + by;
             }
-            Owner::Parameter(index) => {
+            NudgedOwner::Parameter(index) => {
                 self.point.parameters[index] = self.origin.parameters[index] + by;
             }
-            Owner::Node => {}
+            NudgedOwner::Node => {}
         }
     }
 

@@ -53,7 +53,7 @@ pub fn add(
             continue;
         }
         let Dynamics::Free(body) = problem.dynamics_of(index);
-        let flight = Flight {
+        let flight = FlightTerms {
             context,
             point,
             arc: index,
@@ -89,7 +89,7 @@ impl Sum<'_> {
 }
 
 /// An arc at a point, as a view sees it.
-struct Flight<'a> {
+struct FlightTerms<'a> {
     context: &'a SolveContext<'a>,
     point: &'a Point,
     arc: usize,
@@ -97,7 +97,7 @@ struct Flight<'a> {
     body: &'a Body,
 }
 
-impl Flight<'_> {
+impl FlightTerms<'_> {
     fn time_s(&self, sample: &ArcSample) -> f64 {
         sample.time_s(&self.point.node_times_s)
     }

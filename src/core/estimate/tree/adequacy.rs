@@ -63,7 +63,7 @@ const SHOWN_SHARE: f64 = 0.1;
 const FAR: f64 = 3.0;
 
 /// A quantity that the scene keeps fixed.
-struct Candidate {
+struct SuspectCandidate {
     quantity: Quantity,
     /// `u`.
     total: DVector<f64>,
@@ -85,7 +85,7 @@ pub(super) fn judge(
         held,
         ..
     } = of;
-    let candidates: Vec<Candidate> = candidates(scene, joined, problem)
+    let candidates: Vec<SuspectCandidate> = candidates(scene, joined, problem)
         .into_iter()
         .filter_map(|quantity| {
             let step = STEP * quantity.typical();
@@ -99,7 +99,7 @@ pub(super) fn judge(
                 step,
             )?;
             let total = linear.total(held, &change);
-            Some(Candidate { quantity, total })
+            Some(SuspectCandidate { quantity, total })
         })
         .collect();
     let totals: Vec<DVector<f64>> = candidates.iter().map(|of| of.total.clone()).collect();
@@ -112,7 +112,7 @@ pub(super) fn judge(
     );
     let by_noise = by_noise(linear, errors, &left, held.free.ncols());
     let by_noise = by_noise.ok_or(FitUntold::FewSamples)?;
-    let is_told = |at: usize, of: &Candidate| {
+    let is_told = |at: usize, of: &SuspectCandidate| {
         // Where not even white noise alone lets a typical change show by a standard deviation.
         left[0].products[(at, at)] * of.quantity.typical().powi(2) > 1.0
     };

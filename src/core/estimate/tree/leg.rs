@@ -83,7 +83,7 @@ impl TreeProgram<'_> {
                 links.fill(None);
             }
             match item.kind {
-                Kind::Sample(sample) => {
+                ItemKind::Sample(sample) => {
                     let valued = |state: &State| {
                         quantity::valued(&sample.quantity, state, None, &sample.point_m)
                     };
@@ -99,7 +99,7 @@ impl TreeProgram<'_> {
                     sums.add(&residual);
                     each(&residual);
                 }
-                Kind::Goal(index, goal) => {
+                ItemKind::Goal(index, goal) => {
                     let state = course.state();
                     let (value, by) =
                         self.asked(goal, &state, item.event, &snapshot, &mut links, &jacobian);
@@ -111,7 +111,7 @@ impl TreeProgram<'_> {
                         }
                     }
                 }
-                Kind::Event(index, event) => {
+                ItemKind::Event(index, event) => {
                     let (pattern, block) = self.room(problem.event_block(index), blocks);
                     rows::order(problem, index, line, &point.event_times_s, pattern, block);
                     let Some(touch) = event.touch_at(point) else {
@@ -126,7 +126,7 @@ impl TreeProgram<'_> {
                     rows::touch(&impact, &derivative, count, &jacobian, pattern, block);
                     reached = None;
                 }
-                Kind::Next(node) => {
+                ItemKind::Next(node) => {
                     let (pattern, block) = self.room(problem.join_block(node), blocks);
                     rows::join(
                         problem,
@@ -155,14 +155,14 @@ impl TreeProgram<'_> {
 
     /// What happens on a leg, in its order: an event parts what is before it from what is after it, wherever its
     /// estimated time is.
-    fn items(&self, node: usize) -> Vec<Item<'_>> {
+    fn items(&self, node: usize) -> Vec<TimedItem<'_>> {
         let problem = self.problem;
         let events = problem.events_of(node);
         let before = |about_s: f64| {
             let of_leg = problem.events[events.clone()].iter();
             of_leg.filter(|event| event.about_s <= about_s).count()
         };
-        let at_stamp = |acted_s: f64, kind| Item {
+        let at_stamp = |acted_s: f64, kind| TimedItem {
             phase: (before(acted_s), 0),
             about_s: acted_s,
             event: None,
@@ -170,17 +170,17 @@ impl TreeProgram<'_> {
         };
         let is_here = |acted_s: f64| problem.node_of(acted_s) == node;
         let samples = problem.samples.iter().filter(|of| is_here(of.acted_s));
-        let mut items: Vec<Item> = samples
-            .map(|sample| at_stamp(sample.acted_s, Kind::Sample(sample)))
+        let mut items: Vec<TimedItem> = samples
+            .map(|sample| at_stamp(sample.acted_s, ItemKind::Sample(sample)))
             .collect();
-        let at_event = |event: usize, kind, rank| Item {
+        let at_event = |event: usize, kind, rank| TimedItem {
             phase: (event - events.start, rank),
             about_s: problem.events[event].about_s,
             event: Some(event - events.start),
             kind,
         };
         for (index, goal) in problem.goals.iter().enumerate() {
-            let kind = Kind::Goal(index, goal);
+            let kind = ItemKind::Goal(index, goal);
             match problem.event_within(goal) {
                 Some(event) if events.contains(&event) => {
                     let rank = match goal.condition.moment {
@@ -195,11 +195,11 @@ impl TreeProgram<'_> {
             }
         }
         for event in events.clone() {
-            let kind = Kind::Event(event, &problem.events[event]);
+            let kind = ItemKind::Event(event, &problem.events[event]);
             items.push(at_event(event, kind, 2));
         }
         if node + 1 < problem.nodes_s.len() {
-            let mut next = at_stamp(problem.leg_s(node)[1], Kind::Next(node));
+            let mut next = at_stamp(problem.leg_s(node)[1], ItemKind::Next(node));
             next.phase = (events.len(), 1);
             items.push(next);
         }
@@ -250,17 +250,17 @@ impl TreeProgram<'_> {
 }
 
 /// What happens at a stop.
-struct Item<'a> {
+struct TimedItem<'a> {
     /// Number of the leg's events before it; at an event, its goals come before it or after it.
     phase: (usize, usize),
     /// About when it is \[s, acted\].
     about_s: f64,
     /// Place among the leg's events of the one whose time is its time.
     event: Option<usize>,
-    kind: Kind<'a>,
+    kind: ItemKind<'a>,
 }
 
-enum Kind<'a> {
+enum ItemKind<'a> {
     Sample(&'a TreeSample),
     Goal(usize, &'a TreeGoal),
     Event(usize, &'a TreeEvent),
@@ -268,14 +268,14 @@ enum Kind<'a> {
     Next(usize),
 }
 
-impl Kind<'_> {
+impl ItemKind<'_> {
     /// Its block of rows.
     fn block(&self, problem: &TreeProblem) -> Option<usize> {
         match self {
-            Kind::Sample(_) => None,
-            Kind::Goal(index, _) => Some(*index),
-            Kind::Next(node) => Some(problem.join_block(*node)),
-            Kind::Event(index, _) => Some(problem.event_block(*index)),
+            ItemKind::Sample(_) => None,
+            ItemKind::Goal(index, _) => Some(*index),
+            ItemKind::Next(node) => Some(problem.join_block(*node)),
+            ItemKind::Event(index, _) => Some(problem.event_block(*index)),
         }
     }
 }

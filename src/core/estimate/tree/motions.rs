@@ -118,7 +118,7 @@ fn arcs(
 }
 
 /// What a track saw of a tree, or of one flight of a body by itself.
-struct Sum {
+struct TrackSum {
     track: TrackIndex,
     arc: Option<usize>,
     /// Number and sum of squares of places, and of turns.
@@ -131,8 +131,8 @@ fn sums(
     scene: &Scene,
     knots: &[TreeKnot],
     arcs: &[ArcEstimate],
-) -> Vec<Sum> {
-    let mut sums: Vec<Sum> = Vec::new();
+) -> Vec<TrackSum> {
+    let mut sums: Vec<TrackSum> = Vec::new();
     let mut snapshot = ForestSnapshot::new(&problem.forest, &problem.gravity_m_s2);
     for sample in &problem.samples {
         let time_s = line.time_s(sample.acted_s);
@@ -146,9 +146,9 @@ fn sums(
         let arc = arcs
             .iter()
             .rposition(|arc| arc.mechanism == mechanism && arc.start_s <= time_s);
-        let is_its = |sum: &Sum| (sum.track, sum.arc) == (sample.track, arc);
+        let is_its = |sum: &TrackSum| (sum.track, sum.arc) == (sample.track, arc);
         let place = sums.iter().position(is_its).unwrap_or_else(|| {
-            sums.push(Sum {
+            sums.push(TrackSum {
                 track: sample.track,
                 arc,
                 kinds: [(0, 0.0); 2],

@@ -38,7 +38,7 @@ impl TreeProblem {
         }
         let state = self.state_at(point, from_s);
         let line = &point.time_line(self);
-        let mut errors = Errors::new(self, line, point, &state, line.time_s(from_s));
+        let mut errors = GrowingErrors::new(self, line, point, &state, line.time_s(from_s));
         let too_far = times_s
             .iter()
             .position(|time_s| errors.grown(line.time_s(*time_s)) > FURTHER);
@@ -81,7 +81,7 @@ impl TreeProblem {
         let after = |time_s: &f64| *time_s > from_s && *time_s <= until_s;
         let times_s: Vec<f64> = self.sample_stamps_s().into_iter().filter(after).collect();
         let line = &point.time_line(self);
-        let mut errors = Errors::new(self, line, point, from, line.time_s(from_s));
+        let mut errors = GrowingErrors::new(self, line, point, from, line.time_s(from_s));
         let at = times_s
             .iter()
             .position(|time_s| errors.grown(line.time_s(*time_s)) > ON_A_LEG)?;
@@ -92,7 +92,7 @@ impl TreeProblem {
     pub(super) fn errors_grown(&self, point: &TreePoint) -> f64 {
         let line = &point.time_line(self);
         let [from_s, to_s] = line.physical_span_s();
-        let mut errors = Errors::new(self, line, point, &point.nodes[0], from_s);
+        let mut errors = GrowingErrors::new(self, line, point, &point.nodes[0], from_s);
         errors.grown(to_s)
     }
 
@@ -115,14 +115,14 @@ impl TreeProblem {
 }
 
 /// Errors on the way from a state.
-struct Errors<'p> {
+struct GrowingErrors<'p> {
     problem: &'p TreeProblem,
     point: &'p TreePoint,
     course: Course<'p>,
     now_s: f64,
 }
 
-impl<'p> Errors<'p> {
+impl<'p> GrowingErrors<'p> {
     fn new(
         problem: &'p TreeProblem,
         line: &'p TimeLine<'p>,

@@ -73,7 +73,7 @@ pub(super) struct Way {
 }
 
 /// The end of a flight at a collision.
-struct Arrival {
+struct TouchArrival {
     /// On the time line \[s\].
     time_s: f64,
     before: State,
@@ -321,7 +321,7 @@ impl<'a> Course<'a> {
     }
 
     /// The last flight of a way at its mark, or, where no clock tells, at its last keyframe.
-    fn at_the_mark(&self, way: &Way) -> Arrival {
+    fn at_the_mark(&self, way: &Way) -> TouchArrival {
         let (flown, offset_s) = way.last();
         let (from_s, to_s) = self.window_s(way);
         let mark_s = self.hits[way.flights.len() - 1].1;
@@ -330,7 +330,7 @@ impl<'a> Course<'a> {
         } else {
             mark_s.clamp(from_s, to_s)
         };
-        Arrival {
+        TouchArrival {
             time_s: time_s + offset_s,
             before: flown.at(self.scene, self.mechanism, time_s),
             after: None,
@@ -348,7 +348,7 @@ impl<'a> Course<'a> {
 
     /// Where the last flight of a way meets another on its own clock; physical times, or no known
     /// contact.
-    fn meeting(&self, way: &Way, next: &Flown) -> Arrival {
+    fn meeting(&self, way: &Way, next: &Flown) -> TouchArrival {
         let (flown, offset_s) = way.last();
         let (from_s, to_s) = self.window_s(way);
         let at = |s: f64| flown.at(self.scene, self.mechanism, from_s + s);
@@ -364,7 +364,7 @@ impl<'a> Course<'a> {
             };
             least(off, to_s - from_s)
         };
-        Arrival {
+        TouchArrival {
             time_s: from_s + since_s + offset_s,
             before: at(since_s),
             after: None,
@@ -373,7 +373,7 @@ impl<'a> Course<'a> {
     }
 
     /// The end of the last flight of a way, where the contact is known.
-    fn arrival(&self, way: &Way) -> Option<Arrival> {
+    fn arrival(&self, way: &Way) -> Option<TouchArrival> {
         let hit = self.hits[way.flights.len() - 1].0.as_ref()?;
         let (flown, offset_s) = way.last();
         let (from_s, to_s) = self.window_s(way);
@@ -397,7 +397,7 @@ impl<'a> Course<'a> {
             angular_velocity_rad_s: impact.after[0].angular_velocity_rad_s,
             ..before
         };
-        Some(Arrival {
+        Some(TouchArrival {
             time_s: time_s + offset_s,
             before,
             after: after.is_finite().then_some(after),

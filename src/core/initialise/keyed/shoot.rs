@@ -30,7 +30,7 @@ const EXACT: f64 = 1e-14;
 type Six = SVector<f64, 6>;
 
 /// A start on its way.
-struct Shot {
+struct KeyedShot {
     velocities: Six,
     flights: usize,
     way: Way,
@@ -68,16 +68,16 @@ pub(super) fn ways(course: &Course, most: usize, observer: &mut dyn Observer) ->
     if course.numbers() < course.unknowns() {
         starts.truncate(1);
     }
-    let mut shots: Vec<Shot> = starts
+    let mut shots: Vec<KeyedShot> = starts
         .into_iter()
         .filter_map(|velocities| shot(course, velocities, FLIGHTS, &mut work))
         .collect();
     for shot in &mut shots {
         descend(course, shot, SCOUTED, &mut work);
     }
-    let order = |a: &Shot, b: &Shot| a.way.order(&b.way);
+    let order = |a: &KeyedShot, b: &KeyedShot| a.way.order(&b.way);
     shots.sort_by(order);
-    let mut kept: Vec<Shot> = Vec::new();
+    let mut kept: Vec<KeyedShot> = Vec::new();
     for mut shot in shots {
         if kept.len() >= CHOSEN {
             break;
@@ -94,7 +94,7 @@ pub(super) fn ways(course: &Course, most: usize, observer: &mut dyn Observer) ->
         if work.is_long() {
             kept.truncate(1);
         }
-        let longer = |old: Shot| {
+        let longer = |old: KeyedShot| {
             if work.is_over() {
                 return led_on(course, old);
             }
@@ -112,12 +112,12 @@ pub(super) fn ways(course: &Course, most: usize, observer: &mut dyn Observer) ->
 }
 
 /// A shot that goes on into the next flight as it is; none where that is not finite.
-fn led_on(course: &Course, shot: Shot) -> Option<Shot> {
+fn led_on(course: &Course, shot: KeyedShot) -> Option<KeyedShot> {
     let way = course.handed_on(&shot.way);
-    way.cost.is_finite().then_some(Shot { way, ..shot })
+    way.cost.is_finite().then_some(KeyedShot { way, ..shot })
 }
 
-fn is_new(known: &[Shot], shot: &Shot) -> bool {
+fn is_new(known: &[KeyedShot], shot: &KeyedShot) -> bool {
     let mut known = known.iter();
     known.all(|other| (other.velocities - shot.velocities).norm() > SAME)
 }
@@ -172,9 +172,14 @@ fn starts(course: &Course) -> Vec<Six> {
     starts
 }
 
-fn shot(course: &Course, velocities: Six, flights: usize, work: &mut ShotWork) -> Option<Shot> {
+fn shot(
+    course: &Course,
+    velocities: Six,
+    flights: usize,
+    work: &mut ShotWork,
+) -> Option<KeyedShot> {
     let (way, off) = simulated(course, &velocities, flights, work)?;
-    Some(Shot {
+    Some(KeyedShot {
         velocities,
         flights,
         way,
@@ -216,7 +221,7 @@ fn simulated(
 }
 
 /// Levenberg and Marquardt's steps, with derivatives by differences.
-fn descend(course: &Course, shot: &mut Shot, steps: usize, work: &mut ShotWork) {
+fn descend(course: &Course, shot: &mut KeyedShot, steps: usize, work: &mut ShotWork) {
     for _ in 0..steps {
         if shot.way.cost < EXACT || work.is_over() {
             return;

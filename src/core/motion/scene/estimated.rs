@@ -15,9 +15,9 @@ use crate::physics::contact::Feature;
 use crate::physics::{Body, BodyError, Drag};
 
 /// Values of quantities; what is not among them stays as the scene has it.
-struct Values<'a>(&'a [(Quantity, f64)]);
+struct EstimatedValues<'a>(&'a [(Quantity, f64)]);
 
-impl Values<'_> {
+impl EstimatedValues<'_> {
     fn of(&self, quantity: Quantity) -> Option<f64> {
         let mut values = self.0.iter();
         let (_, value) = values.find(|(other, _)| *other == quantity)?;
@@ -53,7 +53,7 @@ impl Scene {
     ///
     /// Fails where no body has such a mass, moments, force or drag.
     pub fn with_values(&self, values: &[(Quantity, f64)]) -> Result<Scene, BodyError> {
-        let values = Values(values);
+        let values = EstimatedValues(values);
         let mut scene = self.clone();
         scene.set_laws(&values);
         for link in self.links.keys() {
@@ -77,7 +77,7 @@ impl Scene {
     }
 
     /// Gravity, restitution, friction and the tilts that impacts see.
-    fn set_laws(&mut self, values: &Values) {
+    fn set_laws(&mut self, values: &EstimatedValues) {
         for axis in 0..3 {
             let gravity = values.of(Quantity::Gravity { axis });
             self.gravity_m_s2[axis] = gravity.unwrap_or(self.gravity_m_s2[axis]);
@@ -98,7 +98,7 @@ impl Scene {
         }
     }
 
-    fn body_with(&self, link: LinkIndex, values: &Values) -> Result<Body, BodyError> {
+    fn body_with(&self, link: LinkIndex, values: &EstimatedValues) -> Result<Body, BodyError> {
         let of = &self.links[link];
         if of.held.is_some() {
             return Ok(of.body);
@@ -157,7 +157,7 @@ impl Scene {
         }
     }
 
-    fn correct_tracker(&mut self, track: TrackIndex, values: &Values) {
+    fn correct_tracker(&mut self, track: TrackIndex, values: &EstimatedValues) {
         let by_m = values.vector(|axis| Quantity::TrackerPosition { track, axis });
         let turn = values.vector(|axis| Quantity::TrackerOrientation { track, axis });
         let pose = &mut self.tracks[track].link_from_tracker;
@@ -168,7 +168,7 @@ impl Scene {
     }
 
     /// Moves a face along its normal and turns it about its point, with the obstacle that it is of.
-    fn move_surface(&mut self, surface: usize, values: &Values) {
+    fn move_surface(&mut self, surface: usize, values: &EstimatedValues) {
         let height_m = values.of(Quantity::SurfaceHeight { surface });
         let tilts = [0, 1].map(|tangent| values.of(Quantity::SurfaceTilt { surface, tangent }));
         if height_m.is_none() && tilts == [None; 2] {
@@ -196,7 +196,7 @@ impl Scene {
 }
 
 /// Puts a joint in its place, and turns its axes.
-fn set_joint(joint: &mut Joint, values: &Values) {
+fn set_joint(joint: &mut Joint, values: &EstimatedValues) {
     let child = joint.child;
     for end in [JointEnd::Parent, JointEnd::Child] {
         for axis in 0..3 {

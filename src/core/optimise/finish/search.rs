@@ -11,7 +11,7 @@
 
 use nalgebra::DVector;
 
-use super::{DAMPING, Finish, Place, Taken, Tolerances};
+use super::{DAMPING, Finish, FinishPlace, StepTaken, Tolerances};
 use crate::optimise::kkt::{Kkt, KktStep};
 use crate::optimise::program::Program;
 use crate::optimise::system::System;
@@ -56,8 +56,8 @@ fn price(multipliers: &[f64]) -> f64 {
 
 impl<P: Program> Finish<'_, P> {
     /// The current place.
-    pub(super) fn here(&self) -> Place<P::Point> {
-        Place {
+    pub(super) fn here(&self) -> FinishPlace<P::Point> {
+        FinishPlace {
             point: self.point.clone(),
             system: self.system.clone(),
             multipliers: self.multipliers.clone(),
@@ -74,7 +74,7 @@ impl<P: Program> Finish<'_, P> {
     }
 
     /// Exchanges the current place for another.
-    pub(super) fn go(&mut self, to: &mut Place<P::Point>) {
+    pub(super) fn go(&mut self, to: &mut FinishPlace<P::Point>) {
         std::mem::swap(&mut self.point, &mut to.point);
         std::mem::swap(&mut self.system, &mut to.system);
         std::mem::swap(&mut self.multipliers, &mut to.multipliers);
@@ -89,8 +89,8 @@ impl<P: Program> Finish<'_, P> {
         kkt: &Kkt,
         step: &KktStep,
         may_damp: bool,
-        trial: &mut Place<P::Point>,
-    ) -> Taken {
+        trial: &mut FinishPlace<P::Point>,
+    ) -> StepTaken {
         let mut merit = Merit {
             per_violation: price(&step.multipliers).max(price(&self.multipliers)),
             enough: 0.0,
@@ -106,17 +106,17 @@ impl<P: Program> Finish<'_, P> {
             trial.multipliers.clone_from(&step.multipliers);
             if self.reaches(guidance, &merit, kkt, &delta, corrections, trial) {
                 return if halving == 0 {
-                    Taken::Whole
+                    StepTaken::Whole
                 } else {
-                    Taken::Part
+                    StepTaken::Part
                 };
             }
             if halving == 0 && may_damp && self.leads_back(guidance, &merit, trial) {
-                return Taken::Whole;
+                return StepTaken::Whole;
             }
             delta *= 0.5;
         }
-        Taken::Not
+        StepTaken::Not
     }
 
     /// Whether a step reaches a merit by itself, or after some corrections; leaves where it leads in
@@ -128,7 +128,7 @@ impl<P: Program> Finish<'_, P> {
         kkt: &Kkt,
         delta: &DVector<f64>,
         corrections: usize,
-        trial: &mut Place<P::Point>,
+        trial: &mut FinishPlace<P::Point>,
     ) -> bool {
         self.evaluate(guidance, delta, trial);
         if merit.is_reached(&trial.system) {
@@ -158,7 +158,7 @@ impl<P: Program> Finish<'_, P> {
         &mut self,
         guidance: &P::Guidance,
         merit: &Merit,
-        trial: &mut Place<P::Point>,
+        trial: &mut FinishPlace<P::Point>,
     ) -> bool {
         let (mut kept, damping) = (self.here(), self.damping);
         let mut is_back = false;
@@ -189,7 +189,7 @@ impl<P: Program> Finish<'_, P> {
         &mut self,
         guidance: &P::Guidance,
         tolerances: &Tolerances,
-        trial: &mut Place<P::Point>,
+        trial: &mut FinishPlace<P::Point>,
     ) -> bool {
         let damping = std::mem::replace(&mut self.damping, DAMPING.1);
         for _ in 0..RESTORING_STEPS {
@@ -213,7 +213,7 @@ impl<P: Program> Finish<'_, P> {
     }
 
     /// Derivatives where a trial led that is gone on from.
-    fn complete(&self, guidance: &P::Guidance, trial: &mut Place<P::Point>) {
+    fn complete(&self, guidance: &P::Guidance, trial: &mut FinishPlace<P::Point>) {
         self.program
             .differentiate(guidance, &trial.point, &mut trial.system);
     }
@@ -222,7 +222,7 @@ impl<P: Program> Finish<'_, P> {
         &mut self,
         guidance: &P::Guidance,
         delta: &DVector<f64>,
-        trial: &mut Place<P::Point>,
+        trial: &mut FinishPlace<P::Point>,
     ) {
         self.program.retract(&self.point, delta, &mut trial.point);
         self.program

@@ -119,17 +119,21 @@ impl Contact {
 /// The pair in this order, if it is supported in this order.
 fn pair(a: &Feature, b: &Feature) -> Result<Option<Pair>, ContactError> {
     Ok(Some(match (primitive(a), primitive(b)) {
-        (Primitive::Ball(ball), Primitive::Plane(plane)) => Pair::PointFace(ball, plane),
-        (Primitive::Circle(circle), Primitive::Plane(plane)) => Pair::RimFace(circle, plane),
-        (Primitive::Ball(p), Primitive::Ball(q)) => {
+        (ContactPrimitive::Ball(ball), ContactPrimitive::Plane(plane)) => {
+            Pair::PointFace(ball, plane)
+        }
+        (ContactPrimitive::Circle(circle), ContactPrimitive::Plane(plane)) => {
+            Pair::RimFace(circle, plane)
+        }
+        (ContactPrimitive::Ball(p), ContactPrimitive::Ball(q)) => {
             rounded(a, b, p.radius_m + q.radius_m)?;
             Pair::PointPoint(p, q)
         }
-        (Primitive::Ball(p), Primitive::Tube(q)) => {
+        (ContactPrimitive::Ball(p), ContactPrimitive::Tube(q)) => {
             rounded(a, b, p.radius_m + q.radius_m)?;
             Pair::PointLine(p, q)
         }
-        (Primitive::Tube(p), Primitive::Tube(q)) => {
+        (ContactPrimitive::Tube(p), ContactPrimitive::Tube(q)) => {
             let foot = p.point_m - p.direction * p.direction.dot(&p.point_m);
             let centre_is_outside = foot.norm() > p.radius_m;
             if !centre_is_outside && p.radius_m + q.radius_m == 0.0 {
@@ -142,16 +146,16 @@ fn pair(a: &Feature, b: &Feature) -> Result<Option<Pair>, ContactError> {
 }
 
 /// A feature as geometry.
-enum Primitive {
+enum ContactPrimitive {
     Ball(Ball),
     Tube(Tube),
     Circle(Circle),
     Plane(Plane),
 }
 
-fn primitive(feature: &Feature) -> Primitive {
+fn primitive(feature: &Feature) -> ContactPrimitive {
     match *feature {
-        Feature::Point { point_m, radius_m } => Primitive::Ball(Ball {
+        Feature::Point { point_m, radius_m } => ContactPrimitive::Ball(Ball {
             centre_m: point_m,
             radius_m,
         }),
@@ -159,7 +163,7 @@ fn primitive(feature: &Feature) -> Primitive {
             point_m,
             direction,
             radius_m,
-        } => Primitive::Tube(Tube {
+        } => ContactPrimitive::Tube(Tube {
             point_m,
             direction,
             radius_m,
@@ -168,12 +172,12 @@ fn primitive(feature: &Feature) -> Primitive {
             centre_m,
             axis,
             radius_m,
-        } => Primitive::Circle(Circle {
+        } => ContactPrimitive::Circle(Circle {
             centre_m,
             axis,
             radius_m,
         }),
-        Feature::Face { point_m, normal } => Primitive::Plane(Plane { point_m, normal }),
+        Feature::Face { point_m, normal } => ContactPrimitive::Plane(Plane { point_m, normal }),
     }
 }
 

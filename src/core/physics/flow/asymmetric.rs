@@ -53,7 +53,7 @@ struct GridPoint {
 
 /// What all steps of one rotation share.
 #[derive(Clone, Debug)]
-struct Motion {
+struct FlowMotion {
     couplings: [f64; 3],
     moments: [f64; 3],
     variables: Variables,
@@ -63,7 +63,7 @@ struct Motion {
     start: GridPoint,
 }
 
-impl Motion {
+impl FlowMotion {
     fn new(body: &Body, omega_rad_s: &Vector3<f64>) -> Self {
         let couplings = couplings(body);
         let speed_rad_s = match power_of_two_below(omega_rad_s.norm()) {
@@ -117,15 +117,15 @@ fn power_of_two_below(number: f64) -> f64 {
 }
 
 /// Series of the variables, of `ω` and of the turn from a node.
-struct Values {
+struct FlowValues {
     variables: Series<3>,
     omega: Series<3>,
     turn: Series<4>,
     reach: f64,
 }
 
-impl Values {
-    fn new(motion: &Motion, start: &GridPoint) -> Self {
+impl FlowValues {
+    fn new(motion: &FlowMotion, start: &GridPoint) -> Self {
         let (variables, omega) = motion.variables.series(&motion.couplings, &start.variables);
         let turn = series::turn(&omega);
         Self {
@@ -137,7 +137,7 @@ impl Values {
     }
 
     /// The node at `angle` from the start, with the derivatives left as they were.
-    fn node(&self, motion: &Motion, start: &GridPoint, angle: f64) -> GridPoint {
+    fn node(&self, motion: &FlowMotion, start: &GridPoint, angle: f64) -> GridPoint {
         let turned = start.rotation.into_inner() * quaternion(series::value(&self.turn, angle));
         GridPoint {
             rotation: UnitQuaternion::new_normalize(turned),
@@ -157,7 +157,7 @@ fn quaternion([x, y, z, w]: [f64; 4]) -> Quaternion<f64> {
 /// derivative in the direction of the variables `z` themselves is known, `z + t ż` for the
 /// variables and `η = t ω` for the rotation; series are needed for two other directions only.
 #[derive(Clone, Debug)]
-struct Step {
+struct FlowStep {
     start: GridPoint,
     reach: f64,
     variables: Series<3>,
@@ -171,9 +171,9 @@ struct Step {
     stand_in: Vector3<f64>,
 }
 
-impl Step {
-    fn new(motion: &Motion, start: GridPoint) -> Self {
-        let values = Values::new(motion, &start);
+impl FlowStep {
+    fn new(motion: &FlowMotion, start: GridPoint) -> Self {
+        let values = FlowValues::new(motion, &start);
         let z = &start.variables;
         let largest = Vector3::from(*z).iamax();
         let by = [(largest + 1) % 3, (largest + 2) % 3];
@@ -207,7 +207,11 @@ impl Step {
 
     /// Rotation, its left perturbation by `ω(0)`, and the variables, at `angle` from the start.
     #[inline]
-    fn turn(&self, motion: &Motion, angle: f64) -> (UnitQuaternion<f64>, Matrix3<f64>, [f64; 3]) {
+    fn turn(
+        &self,
+        motion: &FlowMotion,
+        angle: f64,
+    ) -> (UnitQuaternion<f64>, Matrix3<f64>, [f64; 3]) {
         let turned = quaternion(series::value(&self.turn, angle));
         let rotation = UnitQuaternion::new_unchecked(self.start.rotation.into_inner() * turned);
         let variables = series::value(&self.variables, angle);
@@ -219,7 +223,7 @@ impl Step {
         (rotation, by_spin, variables)
     }
 
-    fn node(&self, motion: &Motion, angle: f64) -> GridPoint {
+    fn node(&self, motion: &FlowMotion, angle: f64) -> GridPoint {
         let (rotation, turn_by_spin, variables) = self.turn(motion, angle);
         let rate = motion.variables.rate(&motion.couplings, &variables);
         let along = Vector3::from(variables) + self.stand_in + Vector3::from(rate) * angle;
@@ -239,7 +243,7 @@ pub fn advance(
     omega_rad_s: &Vector3<f64>,
     duration_s: f64,
 ) -> (UnitQuaternion<f64>, Vector3<f64>) {
-    let motion = Motion::new(body, omega_rad_s);
+    let motion = FlowMotion::new(body, omega_rad_s);
     let Some(angle) = motion.angle(duration_s) else {
         let unknown = unknown();
         return (unknown.rotation, unknown.omega_rad_s);
@@ -247,7 +251,7 @@ pub fn advance(
     let mut node = motion.start.clone();
     let mut left = angle;
     while left != 0.0 {
-        let values = Values::new(&motion, &node);
+        let values = FlowValues::new(&motion, &node);
         let step = left.clamp(-values.reach, values.reach);
         node = values.node(&motion, &node, step);
         left -= step;
@@ -257,14 +261,14 @@ pub fn advance(
 
 /// The rotation with its derivatives; NaN beyond [`ANGLE_MAX_RAD`].
 pub fn turn(body: &Body, omega_rad_s: &Vector3<f64>, duration_s: f64) -> Turned {
-    let motion = Motion::new(body, omega_rad_s);
+    let motion = FlowMotion::new(body, omega_rad_s);
     let Some(angle) = motion.angle(duration_s) else {
         return unknown();
     };
     let mut node = motion.start.clone();
     let mut left = angle;
     while left != 0.0 {
-        let series = Step::new(&motion, node);
+        let series = FlowStep::new(&motion, node);
         let step = left.clamp(-series.reach, series.reach);
         node = series.node(&motion, step);
         left -= step;
@@ -291,7 +295,7 @@ fn unknown() -> Turned {
 /// The rotation from one initial angular velocity: its steps, computed when first needed.
 #[derive(Clone, Debug)]
 pub struct Steps {
-    motion: Motion,
+    motion: FlowMotion,
     /// Steps after the start, and before it.
     sides: [OneWay; 2],
 }
@@ -300,14 +304,14 @@ pub struct Steps {
 #[derive(Clone, Debug, Default)]
 struct OneWay {
     starts: Vec<f64>,
-    steps: Vec<Step>,
+    steps: Vec<FlowStep>,
 }
 
 impl Steps {
     /// The rotation with the initial angular velocity `ω` [rad/s, body].
     pub fn new(body: &Body, omega_rad_s: &Vector3<f64>) -> Self {
         Self {
-            motion: Motion::new(body, omega_rad_s),
+            motion: FlowMotion::new(body, omega_rad_s),
             sides: [OneWay::default(), OneWay::default()],
         }
     }
@@ -343,12 +347,12 @@ impl OneWay {
         }
     }
 
-    fn extend(&mut self, motion: &Motion, direction: f64) {
+    fn extend(&mut self, motion: &FlowMotion, direction: f64) {
         let node = match self.steps.last() {
             Some(step) => step.node(motion, step.reach * direction),
             None => motion.start.clone(),
         };
         self.starts.push(self.end());
-        self.steps.push(Step::new(motion, node));
+        self.steps.push(FlowStep::new(motion, node));
     }
 }

@@ -150,12 +150,12 @@ pub(super) struct Glide {
     drag: Drag,
     start: Node,
     /// Nodes after the start, and before it.
-    sides: [Side; 2],
+    sides: [GlideSide; 2],
 }
 
 /// Nodes in one direction of time, the first of which is the start.
 #[derive(Clone, Debug, Default)]
-struct Side {
+struct GlideSide {
     nodes: Vec<Node>,
     /// Of as many of the nodes as were asked for.
     changes: Vec<NodeChange>,
@@ -170,7 +170,7 @@ impl Glide {
                 way_m: Vector3::zeros(),
                 velocity_m_s: *velocity_m_s,
             },
-            sides: [Side::default(), Side::default()],
+            sides: [GlideSide::default(), GlideSide::default()],
         }
     }
 
@@ -186,7 +186,7 @@ impl Glide {
         let (side, whole, rest_s) = self.reach(duration_s);
         let step_s = STEP_S.copysign(duration_s);
         while self.sides[side].changes.len() <= whole {
-            let Side { nodes, changes } = &self.sides[side];
+            let GlideSide { nodes, changes } = &self.sides[side];
             let next = match changes.last() {
                 None => NodeChange::of_start(),
                 Some(last) => {
@@ -196,7 +196,7 @@ impl Glide {
             };
             self.sides[side].changes.push(next);
         }
-        let Side { nodes, changes } = &self.sides[side];
+        let GlideSide { nodes, changes } = &self.sides[side];
         let stages = self.stages(&nodes[whole], rest_s);
         (
             nodes[whole].after(&stages, rest_s),

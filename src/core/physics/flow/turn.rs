@@ -31,10 +31,10 @@ pub fn turn(
 
 /// The free rotation from one initial angular velocity, for many durations.
 #[derive(Clone, Debug)]
-pub struct Spin(Kind);
+pub struct Spin(TurnCase);
 
 #[derive(Clone, Debug)]
-enum Kind {
+enum TurnCase {
     Precession(Precession),
     Steps(Box<Steps>),
 }
@@ -43,24 +43,26 @@ impl Spin {
     /// The rotation with the initial angular velocity `ω` [rad/s, body].
     pub fn new(body: &Body, angular_velocity_rad_s: &Vector3<f64>) -> Self {
         Self(match body.symmetry() {
-            Symmetry::Asymmetric => Kind::Steps(Box::new(Steps::new(body, angular_velocity_rad_s))),
-            _ => Kind::Precession(Precession::new(body, angular_velocity_rad_s)),
+            Symmetry::Asymmetric => {
+                TurnCase::Steps(Box::new(Steps::new(body, angular_velocity_rad_s)))
+            }
+            _ => TurnCase::Precession(Precession::new(body, angular_velocity_rad_s)),
         })
     }
 
     /// The closed form, where two or three moments are equal.
     pub(in crate::physics) fn precession(&self) -> Option<&Precession> {
         match &self.0 {
-            Kind::Precession(precession) => Some(precession),
-            Kind::Steps(_) => None,
+            TurnCase::Precession(precession) => Some(precession),
+            TurnCase::Steps(_) => None,
         }
     }
 
     /// `R(0)⁻¹R(s)`; with two or three equal moments, the same bits as by [`super::advance`].
     pub fn turn(&mut self, duration_s: f64) -> UnitQuaternion<f64> {
         match &mut self.0 {
-            Kind::Precession(precession) => precession.turn(duration_s),
-            Kind::Steps(steps) => steps.turn_and_derivative(duration_s).0,
+            TurnCase::Precession(precession) => precession.turn(duration_s),
+            TurnCase::Steps(steps) => steps.turn_and_derivative(duration_s).0,
         }
     }
 
@@ -73,8 +75,8 @@ impl Spin {
     #[inline]
     pub fn turn_and_derivative(&mut self, duration_s: f64) -> (UnitQuaternion<f64>, Matrix3<f64>) {
         match &mut self.0 {
-            Kind::Precession(precession) => precession.turn_and_derivative(duration_s),
-            Kind::Steps(steps) => steps.turn_and_derivative(duration_s),
+            TurnCase::Precession(precession) => precession.turn_and_derivative(duration_s),
+            TurnCase::Steps(steps) => steps.turn_and_derivative(duration_s),
         }
     }
 }

@@ -17,7 +17,7 @@ use crate::physics::contact::Frame;
     clippy::large_enum_variant,
     reason = "it lives on the stack for one impact; a box would allocate"
 )]
-enum Solved {
+enum SolvedContact {
     /// Rows are the world's axes at the one contact.
     Coulomb(Coulomb),
     /// Rows are the contacts' normals.
@@ -31,7 +31,7 @@ pub(super) struct Solution<'a> {
     pub(super) frames: [Frame; 2],
     pub(super) rows: Rows,
     pub(super) before: [Velocities; 2],
-    solved: Solved,
+    solved: SolvedContact,
     /// Along the rows [N s].
     impulses: Vector3<f64>,
 }
@@ -76,16 +76,16 @@ impl<'a> Solution<'a> {
         let (speeds, delassus) = (rows.speeds(&before), rows.delassus());
         let solved = match &states[0] {
             Some(only) if contacts.has_friction() => {
-                Solved::Coulomb(Coulomb::new(law, &only.normal, &speeds, &delassus)?)
+                SolvedContact::Coulomb(Coulomb::new(law, &only.normal, &speeds, &delassus)?)
             }
             _ => {
                 let count = contacts.as_slice().len();
-                Solved::Newton(Newton::new(law.restitution, count, &speeds, &delassus)?)
+                SolvedContact::Newton(Newton::new(law.restitution, count, &speeds, &delassus)?)
             }
         };
         let impulses = match &solved {
-            Solved::Coulomb(law) => law.impulse(),
-            Solved::Newton(law) => law.impulses(),
+            SolvedContact::Coulomb(law) => law.impulse(),
+            SolvedContact::Newton(law) => law.impulses(),
         };
         Ok(Self {
             states,
@@ -104,15 +104,15 @@ impl<'a> Solution<'a> {
     pub(super) fn impact(&self) -> Impact {
         let mut impact = Impact {
             after: self.before,
-            sticks: matches!(&self.solved, Solved::Coulomb(law) if law.sticks()),
+            sticks: matches!(&self.solved, SolvedContact::Coulomb(law) if law.sticks()),
             ..Impact::default()
         };
         for (contact, state) in self.states().enumerate() {
             impact.gaps_m[contact] = state.touch.gap_m;
             impact.speeds_m_s[contact] = state.speed(&self.before);
             impact.normal_impulses_n_s[contact] = match &self.solved {
-                Solved::Coulomb(_) => state.normal.dot(&self.impulses),
-                Solved::Newton(_) => self.impulses[contact],
+                SolvedContact::Coulomb(_) => state.normal.dot(&self.impulses),
+                SolvedContact::Newton(_) => self.impulses[contact],
             };
         }
         let velocity_changes = self.rows.velocity_changes(&self.impulses);
@@ -132,14 +132,14 @@ impl<'a> Solution<'a> {
     ) -> Change<C> {
         let velocity = self.rows.speeds_change(&self.before, by);
         match &self.solved {
-            Solved::Coulomb(law) => law.change(&CoulombChange {
+            SolvedContact::Coulomb(law) => law.change(&CoulombChange {
                 normal: normals[0],
                 velocity,
                 delassus_normal: self.rows.delassus_change(law.normal(), by),
                 delassus_stuck: self.rows.delassus_change(&law.stuck(), by),
                 delassus_rigid: Change::zeros(),
             }),
-            Solved::Newton(law) => {
+            SolvedContact::Newton(law) => {
                 law.change(&velocity, &self.rows.delassus_change(&self.impulses, by))
             }
         }
@@ -153,8 +153,8 @@ impl<'a> Solution<'a> {
     /// Changes of the impulses under changes of the rows' speeds.
     pub(super) fn impulses_by_speeds<const C: usize>(&self, speeds: Change<C>) -> Change<C> {
         match &self.solved {
-            Solved::Coulomb(law) => law.by_velocity(speeds),
-            Solved::Newton(law) => law.by_speeds(&speeds),
+            SolvedContact::Coulomb(law) => law.by_velocity(speeds),
+            SolvedContact::Newton(law) => law.by_speeds(&speeds),
         }
     }
 
@@ -164,24 +164,26 @@ impl<'a> Solution<'a> {
             self.rows.of_body(body) * self.rows.velocity_changes_by_inertia(body, impulses)
         };
         match &self.solved {
-            Solved::Coulomb(law) => law.change(&CoulombChange {
+            SolvedContact::Coulomb(law) => law.change(&CoulombChange {
                 normal: Change::zeros(),
                 velocity: Change::zeros(),
                 delassus_normal: delassus(law.normal()),
                 delassus_stuck: delassus(&law.stuck()),
                 delassus_rigid: Change::zeros(),
             }),
-            Solved::Newton(law) => law.change(&Change::zeros(), &delassus(&self.impulses)),
+            SolvedContact::Newton(law) => law.change(&Change::zeros(), &delassus(&self.impulses)),
         }
     }
 
     /// Derivatives of the impulses by restitution and friction.
     pub(super) fn impulses_by_law(&self) -> Change<2> {
         match &self.solved {
-            Solved::Coulomb(law) => {
+            SolvedContact::Coulomb(law) => {
                 Change::from_columns(&[law.by_restitution(), law.by_friction()])
             }
-            Solved::Newton(law) => Change::from_columns(&[law.by_restitution(), Vector3::zeros()]),
+            SolvedContact::Newton(law) => {
+                Change::from_columns(&[law.by_restitution(), Vector3::zeros()])
+            }
         }
     }
 
@@ -192,7 +194,7 @@ impl<'a> Solution<'a> {
         poses: &[Option<PoseChange<C>>; MOST_CONTACTS],
     ) -> RowsChange<C> {
         let mut levers = [[Change::zeros(); 3]; 2];
-        let is_axes = matches!(self.solved, Solved::Coulomb(_));
+        let is_axes = matches!(self.solved, SolvedContact::Coulomb(_));
         for (contact, (state, by)) in self.states().zip(poses.iter().flatten()).enumerate() {
             for body in 0..self.rows.bodies {
                 let sign = [1.0, -1.0][body];

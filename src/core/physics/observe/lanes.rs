@@ -57,12 +57,12 @@ pub(super) fn terms<'m>(
 
 /// The free rotation of a body from one start, at four durations at a time.
 pub struct Turner {
-    kind: Kind,
+    kind: LaneKind,
     /// Body from the axes by which a change of the angular velocity is told.
     pub axes: Matrix3<f64>,
 }
 
-enum Kind {
+enum LaneKind {
     Closed(LaneFrame),
     /// One after the other, where three moments differ.
     Steps {
@@ -93,12 +93,12 @@ impl Turner {
             let frame = LaneFrame::new(precession, orientation);
             return Self {
                 axes: frame.body,
-                kind: Kind::Closed(frame),
+                kind: LaneKind::Closed(frame),
             };
         }
         Self {
             axes: Matrix3::identity(),
-            kind: Kind::Steps {
+            kind: LaneKind::Steps {
                 spin,
                 orientation: *orientation,
                 from_epoch: so3::matrix(orientation),
@@ -110,7 +110,7 @@ impl Turner {
     #[inline]
     pub fn at(&mut self, s: f64x4) -> Turned {
         match &mut self.kind {
-            Kind::Closed(frame) => {
+            LaneKind::Closed(frame) => {
                 let h = s * frame.half_rates[0];
                 let (sin, cos) = h.sin_cos();
                 Turned {
@@ -118,7 +118,7 @@ impl Turner {
                     by_spin: frame.by_spin(h, sin, cos),
                 }
             }
-            Kind::Steps {
+            LaneKind::Steps {
                 spin,
                 orientation,
                 from_epoch,

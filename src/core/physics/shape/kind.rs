@@ -161,19 +161,21 @@ impl Shape {
         let (properties, shape_from_parry) = match self {
             Shape::Cuboid { half_extents_m } => (
                 MassProperties::from_cuboid(1.0, to_parry(half_extents_m)),
-                Axes::Same,
+                ShapeAxes::Same,
             ),
             Shape::RoundedCuboid {
                 half_extents_m,
                 radius_m,
             } => return Ok(rounded_mass(half_extents_m, *radius_m)),
-            Shape::Sphere { radius_m } => (MassProperties::from_ball(1.0, *radius_m), Axes::Same),
+            Shape::Sphere { radius_m } => {
+                (MassProperties::from_ball(1.0, *radius_m), ShapeAxes::Same)
+            }
             Shape::Cylinder {
                 half_length_m,
                 radius_m,
             } => (
                 MassProperties::from_cylinder(1.0, *half_length_m, *radius_m),
-                Axes::YToZ,
+                ShapeAxes::YToZ,
             ),
             Shape::Capsule {
                 half_length_m,
@@ -182,7 +184,7 @@ impl Shape {
                 let end = ParryVector::new(0.0, *half_length_m, 0.0);
                 (
                     MassProperties::from_capsule(1.0, -end, end, *radius_m),
-                    Axes::YToZ,
+                    ShapeAxes::YToZ,
                 )
             }
             Shape::Cone {
@@ -190,15 +192,15 @@ impl Shape {
                 radius_m,
             } => (
                 MassProperties::from_cone(1.0, *half_height_m, *radius_m),
-                Axes::YToZ,
+                ShapeAxes::YToZ,
             ),
             Shape::Hull { .. } | Shape::Compound(_) => return self.mass()?.about_its_axes(),
         };
         let principal = properties.principal_inertia();
         let moments = match shape_from_parry {
-            Axes::Same => from_parry(principal),
+            ShapeAxes::Same => from_parry(principal),
             // The moment about y in parry is that about z here; the two transverse ones are equal.
-            Axes::YToZ => Vector3::new(principal.x, principal.x, principal.y),
+            ShapeAxes::YToZ => Vector3::new(principal.x, principal.x, principal.y),
         };
         Ok(UniformMass {
             volume_m3: properties.mass(),
@@ -304,7 +306,7 @@ impl Compound {
     }
 }
 
-enum Axes {
+enum ShapeAxes {
     Same,
     YToZ,
 }

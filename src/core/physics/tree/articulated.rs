@@ -23,7 +23,7 @@ pub const LANES: usize = 4;
 #[derive(Clone, Debug)]
 pub struct Articulated {
     /// Per node: articulated inertia, as blocks `[[aa, al], [alᵀ, ll]]`.
-    inertias: Vec<Block>,
+    inertias: Vec<InertiaBlock>,
     /// Per column: `S`, `U` and `1/D`.
     columns: Vec<(Motion, Force, f64)>,
     /// Inverse of what a free base's translation meets.
@@ -35,13 +35,13 @@ pub struct Articulated {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Block {
+struct InertiaBlock {
     aa: Matrix3<f64>,
     al: Matrix3<f64>,
     ll: Matrix3<f64>,
 }
 
-impl Block {
+impl InertiaBlock {
     #[inline(always)]
     fn of(inertia: &Inertia) -> Self {
         Self {
@@ -78,7 +78,7 @@ impl Articulated {
     pub fn new(tree: &Tree) -> Self {
         let nodes = tree.nodes.len();
         Self {
-            inertias: vec![Block::of(&Inertia::ZERO); nodes],
+            inertias: vec![InertiaBlock::of(&Inertia::ZERO); nodes],
             columns: vec![(Motion::ZERO, Force::ZERO, 0.0); tree.columns],
             root: Matrix3::zeros(),
             accelerations: vec![Motion::ZERO; nodes],
@@ -90,7 +90,7 @@ impl Articulated {
     /// Factors the mass matrix of the nodes' inertias and the columns' axes.
     pub fn factor(&mut self, tree: &Tree, inertias: &[Inertia], axes: &[Motion]) {
         for (block, inertia) in self.inertias.iter_mut().zip(inertias) {
-            *block = Block::of(inertia);
+            *block = InertiaBlock::of(inertia);
         }
         let mut root = Matrix3::zeros();
         for (index, node) in tree.nodes.iter().enumerate().rev() {

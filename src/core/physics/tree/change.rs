@@ -41,12 +41,12 @@ pub struct Change {
     gyrations: Vec<Gyration>,
     forces: Vec<Force>,
     /// Per column.
-    sides: Vec<Side>,
+    sides: Vec<ChangeSide>,
 }
 
 /// What a column contributes.
 #[derive(Clone, Copy, Debug)]
-struct Side {
+struct ChangeSide {
     /// `S`, `Ψ̇`, `Ψ̈`, `Σ̇`.
     axis: Motion,
     first: Motion,
@@ -62,7 +62,7 @@ impl Change {
         let nodes = tree.nodes.len();
         let width = 2 * tree.columns - tree.first_turned();
         let stride = width.next_multiple_of(LANES);
-        let side = Side {
+        let side = ChangeSide {
             axis: Motion::ZERO,
             first: Motion::ZERO,
             second: Motion::ZERO,
@@ -127,7 +127,7 @@ impl Change {
             for column in node.columns() {
                 let axis = field.kinematics.axes[column];
                 let first = velocity.cross(&axis);
-                self.sides[column] = Side {
+                self.sides[column] = ChangeSide {
                     axis,
                     first,
                     second: acceleration.cross(&axis) + velocity.cross(&first),
@@ -205,7 +205,7 @@ impl Change {
 
 /// The first line of the derivatives: by a column's coordinate and by its rate.
 #[inline(always)]
-fn beyond(momentum: &Force, transposed: &Vector3<f64>, column: &Side) -> (f64, f64) {
+fn beyond(momentum: &Force, transposed: &Vector3<f64>, column: &ChangeSide) -> (f64, f64) {
     (
         column.second.dot(momentum) + transposed.dot(&column.first.angular),
         column.whirl.dot(momentum) + transposed.dot(&column.axis.angular),

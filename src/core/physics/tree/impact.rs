@@ -54,7 +54,7 @@ pub struct TreeImpact {
 
 /// An impact solved for its impulses. Rows of all contacts are one below the other, three of each along the world's
 /// axes.
-struct Solved {
+struct SolvedImpulses {
     frames: [Frame; 2],
     met: Vec<Met>,
     rule: Rule,
@@ -92,7 +92,7 @@ impl ForestSnapshot<'_> {
         all.map(|tree| self.trees[tree].kinetic_energy()).sum()
     }
 
-    fn solved(&self, of: &LinkContact, law: &Law) -> Result<Solved, ImpactError> {
+    fn solved(&self, of: &LinkContact, law: &Law) -> Result<SolvedImpulses, ImpactError> {
         let frames = [
             Frame::of(&self.link_state(of.place)),
             match of.other {
@@ -111,7 +111,7 @@ impl ForestSnapshot<'_> {
         let (jacobian, response) = self.response(&sides);
         let delassus = &jacobian * &response;
         let rule = Rule::new(law, &met, &delassus)?;
-        Ok(Solved {
+        Ok(SolvedImpulses {
             impulses_n_s: rule.impulses(&met),
             frames,
             met,
@@ -191,7 +191,7 @@ impl ForestSnapshot<'_> {
     }
 }
 
-impl Solved {
+impl SolvedImpulses {
     fn impact(&self, state: &TreeState) -> TreeImpact {
         let changes = &self.response * &self.impulses_n_s;
         let rates = state.rates.iter().zip(changes.iter());

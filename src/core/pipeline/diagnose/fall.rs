@@ -65,7 +65,7 @@ fn fallen(scene: &Scene, events: &[TakeEvent]) -> Option<Vec<Fall>> {
             None => streams.push((of, vec![*sample])),
         }
     }
-    let (mut given, mut freed) = (Sums::default(), Sums::default());
+    let (mut given, mut freed) = (FallSums::default(), FallSums::default());
     let mut is_whole_seconds = true;
     for ((track, _), samples) in &mut streams {
         samples.sort_by_key(|sample| sample.stamp);
@@ -76,7 +76,7 @@ fn fallen(scene: &Scene, events: &[TakeEvent]) -> Option<Vec<Fall>> {
             since_ns % 1_000_000_000 == 0
         };
         is_whole_seconds &= samples.iter().all(is_whole);
-        let points: Vec<Point> = samples
+        let points: Vec<FallPoint> = samples
             .iter()
             .filter_map(|sample| {
                 let since_ns = i128::from(sample.stamp.0) - i128::from(first.0);
@@ -84,7 +84,7 @@ fn fallen(scene: &Scene, events: &[TakeEvent]) -> Option<Vec<Fall>> {
                 let turn = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 0.5)?;
                 let centre_m = sample.position_m + turn * tracker_from_link.translation.vector;
                 let is_finite = centre_m.iter().all(|x| x.is_finite());
-                is_finite.then(|| Point {
+                is_finite.then(|| FallPoint {
                     time_s: since_ns as f64 * 1e-9,
                     centre_m,
                     turn: turn.to_rotation_matrix().into_inner(),
@@ -125,7 +125,7 @@ fn fallen(scene: &Scene, events: &[TakeEvent]) -> Option<Vec<Fall>> {
 }
 
 /// A reading as the body's pose.
-struct Point {
+struct FallPoint {
     time_s: f64,
     centre_m: Vector3<f64>,
     turn: Matrix3<f64>,
@@ -133,12 +133,12 @@ struct Point {
 
 /// Normal equations for the acceleration.
 #[derive(Default)]
-struct Sums {
+struct FallSums {
     information: Matrix3<f64>,
     pull: Vector3<f64>,
 }
 
-impl Sums {
+impl FallSums {
     fn add(&mut self, information: Matrix3<f64>, pull: Vector3<f64>) {
         self.information += information;
         self.pull += pull;
@@ -157,7 +157,7 @@ struct TrackSums {
 
 impl TrackSums {
     /// Adds a flight: what of it is orthogonal to a straight line.
-    fn add(&mut self, points: &[Point]) {
+    fn add(&mut self, points: &[FallPoint]) {
         let margin = (MARGIN * points.len() as f64).ceil() as usize;
         let Some(points) = points.get(margin..points.len().saturating_sub(margin)) else {
             return;

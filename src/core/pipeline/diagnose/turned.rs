@@ -67,22 +67,22 @@ pub(super) fn mounts(facts: &Facts, track: TrackIndex) -> Vec<Pose> {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Symmetry {
+enum TurnSymmetry {
     None,
     /// About this axis.
     Axis(usize),
     Sphere,
 }
 
-fn symmetry(moments: &Vector3<f64>) -> Symmetry {
+fn symmetry(moments: &Vector3<f64>) -> TurnSymmetry {
     let is_same =
         |a: usize, b: usize| (moments[a] - moments[b]).abs() < SAME_MOMENT * moments.max();
     match [is_same(1, 2), is_same(2, 0), is_same(0, 1)] {
-        [false, false, false] => Symmetry::None,
-        [true, false, false] => Symmetry::Axis(0),
-        [false, true, false] => Symmetry::Axis(1),
-        [false, false, true] => Symmetry::Axis(2),
-        _ => Symmetry::Sphere,
+        [false, false, false] => TurnSymmetry::None,
+        [true, false, false] => TurnSymmetry::Axis(0),
+        [false, true, false] => TurnSymmetry::Axis(1),
+        [false, false, true] => TurnSymmetry::Axis(2),
+        _ => TurnSymmetry::Sphere,
     }
 }
 
@@ -98,7 +98,7 @@ fn by_flights(facts: &Facts, track: TrackIndex) -> Vec<UnitQuaternion<f64>> {
     let body = &scene.links[scene.tracks[track].link].body;
     let moments = body.moments_kg_m2() / body.moments_kg_m2().max();
     let symmetry = symmetry(&moments);
-    if symmetry == Symmetry::Sphere {
+    if symmetry == TurnSymmetry::Sphere {
         return Vec::new();
     }
     let of_track = facts.seen.iter().filter(|flight| flight.track == track);
@@ -117,7 +117,7 @@ fn by_flights(facts: &Facts, track: TrackIndex) -> Vec<UnitQuaternion<f64>> {
     }
     let half = |axis: usize| exp(&(Vector3::ith(axis, std::f64::consts::PI)));
     let mut alike: Vec<UnitQuaternion<f64>> = match symmetry {
-        Symmetry::Axis(axis) => {
+        TurnSymmetry::Axis(axis) => {
             let across = half((axis + 1) % 3);
             [best, across * best]
                 .map(|turn| least_about(axis, &turn))
@@ -341,7 +341,13 @@ mod tests {
         assert!(least.angle() <= turn.angle() + 1e-9);
         let axis = |of: &UnitQuaternion<f64>| of.inverse() * Vector3::z();
         assert!((axis(&least) - axis(&turn)).norm() < 1e-9);
-        assert_eq!(symmetry(&Vector3::new(1.0, 1.0, 0.3)), Symmetry::Axis(2));
-        assert_eq!(symmetry(&Vector3::new(1.0, 0.995, 1.0)), Symmetry::Sphere);
+        assert_eq!(
+            symmetry(&Vector3::new(1.0, 1.0, 0.3)),
+            TurnSymmetry::Axis(2)
+        );
+        assert_eq!(
+            symmetry(&Vector3::new(1.0, 0.995, 1.0)),
+            TurnSymmetry::Sphere
+        );
     }
 }

@@ -41,12 +41,12 @@ pub(super) struct Ranked {
 }
 
 /// The motion until a collision, for the ranking.
-struct Fit<'a> {
+struct RivalFit<'a> {
     scene: &'a Scene,
     before: Before,
 }
 
-impl contact::Fitted for Fit<'_> {
+impl contact::Fitted for RivalFit<'_> {
     fn state(&self, link: LinkIndex, is_after: bool, after_s: f64) -> Option<State> {
         (!is_after).then(|| self.before.state(self.scene, link, after_s))
     }
@@ -100,7 +100,7 @@ pub(super) fn rank(
         if ranked.rankings.is_empty() {
             ranked.cost_each = before.cost_each();
         }
-        let fit = Fit { scene, before };
+        let fit = RivalFit { scene, before };
         let ranking = contact::ranked(scene, event, &fit);
         let first = ranking.candidates.first();
         let first = first.ok_or(NoContact { event })?;

@@ -48,7 +48,7 @@ pub(super) fn search(
     observer: &mut dyn Observer,
 ) -> Option<Solved> {
     let mut seeker = Seeker::new(take, limit_s)?;
-    let mut found: Vec<Found> = Vec::new();
+    let mut found: Vec<RestFound> = Vec::new();
     for chain in 0..CHAINS.1 {
         if observer.should_stop() || (chain >= CHAINS.0 && !found.is_empty()) {
             break;
@@ -67,13 +67,13 @@ pub(super) fn search(
 }
 
 /// A motion.
-struct Found {
+struct RestFound {
     /// Whitened coordinates of its first states.
     z: DVector<f64>,
     solved: Solved,
 }
 
-impl Found {
+impl RestFound {
     /// The objective, with sample times as they are.
     fn price(&self) -> f64 {
         self.solved.estimate.objective
@@ -159,8 +159,8 @@ impl<'a> Seeker<'a> {
     }
 
     /// The first sound motion of a chain that ends right.
-    fn sampled(&mut self, observer: &mut dyn Observer) -> Option<Found> {
-        let mut at = Found {
+    fn sampled(&mut self, observer: &mut dyn Observer) -> Option<RestFound> {
+        let mut at = RestFound {
             z: self.step() * 0.0,
             solved: self.take.inferred.solved.clone(),
         };
@@ -181,7 +181,7 @@ impl<'a> Seeker<'a> {
                 });
                 match next {
                     Some(solved) => {
-                        at = Found { z, solved };
+                        at = RestFound { z, solved };
                         length *= FACTORS.0;
                     }
                     None => length *= FACTORS.1,
@@ -195,7 +195,7 @@ impl<'a> Seeker<'a> {
     }
 
     /// A motion nearer to the performance that ends right too.
-    fn improved(&mut self, mut best: Found, observer: &mut dyn Observer) -> Found {
+    fn improved(&mut self, mut best: RestFound, observer: &mut dyn Observer) -> RestFound {
         let mut length = STEP.0;
         for _ in 0..STEPS {
             if observer.should_stop() {
@@ -211,7 +211,7 @@ impl<'a> Seeker<'a> {
             });
             length *= match better {
                 Some(solved) => {
-                    best = Found { z, solved };
+                    best = RestFound { z, solved };
                     STEP_FACTORS.0
                 }
                 None => STEP_FACTORS.1,
@@ -222,7 +222,7 @@ impl<'a> Seeker<'a> {
     }
 
     /// The motion with its sample times, if it still ends right.
-    fn finished(&mut self, found: Found, observer: &mut dyn Observer) -> Option<Solved> {
+    fn finished(&mut self, found: RestFound, observer: &mut dyn Observer) -> Option<Solved> {
         if !found.solved.times_are_unknown() {
             return Some(found.solved);
         }

@@ -30,7 +30,7 @@ pub(super) struct Believed<C> {
 }
 
 /// One step of the filter.
-struct Step<C> {
+struct FilterStep<C> {
     /// Before the reading.
     predicted: Believed<C>,
     /// After it.
@@ -72,9 +72,9 @@ const VAGUE: f64 = 10.0;
 /// Filters and smooths; the states at all times. The first has a reading, and there are at least two.
 pub(super) fn smooth<C: Chain>(timed: &[Timed<C::Reading>], noises: &Noises) -> Vec<Believed<C>> {
     let mut surprise = Surprise::default();
-    let steps: Vec<Step<C>> = filter(timed, noises, &mut surprise);
+    let steps: Vec<FilterStep<C>> = filter(timed, noises, &mut surprise);
     let mut smoothed: Vec<Believed<C>> = Vec::with_capacity(steps.len());
-    let mut after: Option<&Step<C>> = None;
+    let mut after: Option<&FilterStep<C>> = None;
     for step in steps.iter().rev() {
         let here = match (after, smoothed.last()) {
             (Some(next), Some(later)) => backward(&step.updated, next, later),
@@ -98,8 +98,8 @@ fn filter<C: Chain>(
     timed: &[Timed<C::Reading>],
     noises: &Noises,
     surprise: &mut Surprise,
-) -> Vec<Step<C>> {
-    let mut steps: Vec<Step<C>> = Vec::with_capacity(timed.len());
+) -> Vec<FilterStep<C>> {
+    let mut steps: Vec<FilterStep<C>> = Vec::with_capacity(timed.len());
     let mut read = 0;
     for (index, one) in timed.iter().enumerate() {
         let (predicted, transition) = match steps.last() {
@@ -117,7 +117,7 @@ fn filter<C: Chain>(
                 update(&predicted, reading, noises, counted)
             }
         };
-        steps.push(Step {
+        steps.push(FilterStep {
             predicted,
             updated,
             transition,
@@ -210,7 +210,11 @@ fn update<C: Chain>(
 }
 
 /// The belief at a time with all readings, given that at the next.
-fn backward<C: Chain>(here: &Believed<C>, next: &Step<C>, later: &Believed<C>) -> Believed<C> {
+fn backward<C: Chain>(
+    here: &Believed<C>,
+    next: &FilterStep<C>,
+    later: &Believed<C>,
+) -> Believed<C> {
     let across = next.transition * here.covariance;
     let Some(gain) = solved(&next.predicted.covariance, &across) else {
         return here.clone();

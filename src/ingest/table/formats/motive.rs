@@ -21,7 +21,7 @@ pub(super) fn layout(lines: &Lines) -> Option<Result<(Layout, usize), Fault>> {
 }
 
 /// Columns of a body or a marker, as far as they are found.
-struct Body {
+struct MotiveBody {
     kind: String,
     name: String,
     position: [Option<usize>; 3],
@@ -56,7 +56,7 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
         .map(|of| of.name.as_str())
         .collect();
     // Markers of a body are named after it, and say no more than it does.
-    let is_of_body = |of: &Body| {
+    let is_of_body = |of: &MotiveBody| {
         of.kind == POINTS
             && bodies.iter().any(|body| {
                 of.name
@@ -64,8 +64,9 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
                     .is_some_and(|rest| rest.starts_with([':', '_']))
             })
     };
-    let is_unnamed =
-        |of: &Body| of.kind == POINTS && (of.name.is_empty() || of.name.starts_with(UNLABELED));
+    let is_unnamed = |of: &MotiveBody| {
+        of.kind == POINTS && (of.name.is_empty() || of.name.starts_with(UNLABELED))
+    };
     let mut left = others;
     let mut columns = Vec::new();
     let mut unlabeled = 0;
@@ -124,9 +125,14 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
 }
 
 /// What stands in the columns, in their order, and how many are of nothing that is read.
-fn found(kinds: &Line, names: Option<&Line>, parts: &Line, axes: &Line) -> (Vec<Body>, usize) {
+fn found(
+    kinds: &Line,
+    names: Option<&Line>,
+    parts: &Line,
+    axes: &Line,
+) -> (Vec<MotiveBody>, usize) {
     let cell = |line: &Line, column: usize| line.cells.get(column).cloned().unwrap_or_default();
-    let mut all: Vec<Body> = Vec::new();
+    let mut all: Vec<MotiveBody> = Vec::new();
     let mut others = 0;
     for column in 2..axes.cells.len() {
         let (kind, part) = (cell(kinds, column), cell(parts, column));
@@ -139,7 +145,7 @@ fn found(kinds: &Line, names: Option<&Line>, parts: &Line, axes: &Line) -> (Vec<
             .last()
             .is_none_or(|last| last.name != name || last.kind != kind)
         {
-            all.push(Body {
+            all.push(MotiveBody {
                 kind,
                 name,
                 position: [None; 3],
@@ -164,7 +170,7 @@ fn found(kinds: &Line, names: Option<&Line>, parts: &Line, axes: &Line) -> (Vec<
 fn angles_of(
     named: Option<&str>,
     line: &Line,
-    all: &[Body],
+    all: &[MotiveBody],
 ) -> Result<Option<&'static Turn>, Fault> {
     let has_poses = all.iter().any(|of| of.kind != POINTS);
     let Some(named) = named.filter(|named| has_poses && *named != "Quaternion") else {
@@ -183,7 +189,7 @@ fn angles_of(
 }
 
 fn body_columns(
-    body: &Body,
+    body: &MotiveBody,
     turn: Option<&'static Turn>,
     line: usize,
 ) -> Result<BodyColumns, Fault> {

@@ -27,14 +27,18 @@ const LEAST: f64 = 1e-10;
 
 /// How a wander's errors at two times go together.
 #[derive(Clone, Copy, Debug)]
-enum Shape {
+enum WanderShape {
     /// As a hand's do that acts so many times as slowly as the motion is.
     Hand(f64),
     /// As those of a filter, or of what a scene leaves out, with this correlation time \[s\].
     Rough(f64),
 }
 
-const SHAPES: [Shape; 3] = [Shape::Hand(1.0), Shape::Hand(3.0), Shape::Rough(0.1)];
+const SHAPES: [WanderShape; 3] = [
+    WanderShape::Hand(1.0),
+    WanderShape::Hand(3.0),
+    WanderShape::Rough(0.1),
+];
 
 /// Bins of one series.
 struct Binned {
@@ -47,7 +51,7 @@ struct Binned {
 }
 
 /// One covariance.
-struct Model {
+struct ErrorModel {
     log_prior: f64,
     /// Of each series.
     factors: Vec<Cholesky<f64, Dyn>>,
@@ -58,7 +62,7 @@ struct Model {
 pub(super) struct Errors {
     binned: Vec<Binned>,
     /// The first is white noise alone.
-    models: Vec<Model>,
+    models: Vec<ErrorModel>,
     /// Rows of priors, which follow those of samples.
     first_prior: usize,
 }
@@ -92,7 +96,7 @@ impl Errors {
             let logs = factors
                 .iter()
                 .map(|factor| 6.0 * factor.l_dirty().diagonal().map(f64::ln).sum());
-            Some(Model {
+            Some(ErrorModel {
                 log_prior: wander.map_or(0.0, |_| -share.ln()),
                 log_determinant: logs.sum(),
                 factors,
@@ -209,7 +213,7 @@ impl Errors {
     }
 
     /// The part of samples, under one model.
-    fn variance_if(&self, model: &Model, response: &DVector<f64>) -> f64 {
+    fn variance_if(&self, model: &ErrorModel, response: &DVector<f64>) -> f64 {
         let mut sum = 0.0;
         for (of, factor) in self.binned.iter().zip(&model.factors) {
             let mut sums = DMatrix::zeros(of.rows.len(), 3);
@@ -291,17 +295,17 @@ impl Binned {
         }
     }
 
-    fn covariance(&self, wander: Option<(Shape, f64)>) -> DMatrix<f64> {
+    fn covariance(&self, wander: Option<(WanderShape, f64)>) -> DMatrix<f64> {
         let bins = &self.bins.bins;
         let mut covariance = match wander {
-            Some((Shape::Hand(slowness), size)) => {
+            Some((WanderShape::Hand(slowness), size)) => {
                 let mut acted = self.bins.clone();
                 for bin in &mut acted.bins {
                     bin.acted_s = slowness * bin.time_s;
                 }
                 hand::correlation(&acted, EXPONENTS[self.kind]) * (size * size)
             }
-            Some((Shape::Rough(time_s), size)) => {
+            Some((WanderShape::Rough(time_s), size)) => {
                 DMatrix::from_fn(bins.len(), bins.len(), |a, b| {
                     let apart_s = (bins[a].time_s - bins[b].time_s).abs();
                     size * size * (-apart_s / time_s).exp()

@@ -14,7 +14,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{GridPoint, Motion, Values};
+use super::{FlowMotion, FlowValues, GridPoint};
 use crate::physics::body::Body;
 use crate::physics::flow::series::{self, Columns, ORDER, Series};
 
@@ -34,7 +34,7 @@ type Pair = [[f64; 2]; 3];
 
 /// The motion between two steps in units of the speed, with its derivatives by `μ_0` and `μ_1`.
 #[derive(Clone, Debug)]
-struct Node {
+struct SeriesNode {
     grid: GridPoint,
     /// `Z`.
     spin: Pair,
@@ -44,7 +44,7 @@ struct Node {
 
 /// One step: the derivatives near a node, to both sides.
 #[derive(Clone, Debug)]
-struct Step {
+struct SeriesStep {
     /// Distance of the node from the start.
     from: f64,
     reach: f64,
@@ -56,18 +56,18 @@ struct Step {
 /// durations: steps are computed when first needed.
 #[derive(Clone, Debug)]
 pub struct SpinByMoments {
-    motion: Motion,
+    motion: FlowMotion,
     /// `c`, and `∂c_i/∂μ` by `μ_0` and `μ_1`.
     couplings: [f64; 3],
     by_moments: Pair,
     /// Steps after the start and before it, each with the node behind the last.
-    sides: [(Vec<Step>, Node); 2],
+    sides: [(Vec<SeriesStep>, SeriesNode); 2],
 }
 
 impl SpinByMoments {
     /// Those of the rotation with the initial angular velocity `ω` [rad/s, body].
     pub fn new(body: &Body, angular_velocity_rad_s: &Vector3<f64>) -> Self {
-        let motion = Motion::new(body, angular_velocity_rad_s);
+        let motion = FlowMotion::new(body, angular_velocity_rad_s);
         let moments = body.moments_kg_m2();
         let couplings = motion.couplings;
         let by_moments = [0, 1, 2].map(|i| {
@@ -78,7 +78,7 @@ impl SpinByMoments {
             by[k] = -moments[k] / moments[i];
             [by[0], by[1]]
         });
-        let start = Node {
+        let start = SeriesNode {
             grid: motion.start.clone(),
             spin: Pair::default(),
             turn: Pair::default(),
@@ -101,7 +101,7 @@ impl SpinByMoments {
             };
         };
         let (side, distance) = (usize::from(angle < 0.0), angle.abs());
-        let end = |steps: &[Step]| steps.last().map_or(0.0, |last| last.from + last.reach);
+        let end = |steps: &[SeriesStep]| steps.last().map_or(0.0, |last| last.from + last.reach);
         while self.sides[side].0.is_empty() || end(&self.sides[side].0) < distance {
             self.extend(side);
         }
@@ -121,7 +121,7 @@ impl SpinByMoments {
     /// Adds a step to a side.
     fn extend(&mut self, side: usize) {
         let (steps, node) = &self.sides[side];
-        let values = Values::new(&self.motion, &node.grid);
+        let values = FlowValues::new(&self.motion, &node.grid);
         let (spin, turn) = self.series(&values.omega, node);
         let reach = reach(&spin).min(reach(&turn)).min(values.reach);
         let reach = reach.min(super::ANGLE_MAX_RAD);
@@ -131,12 +131,12 @@ impl SpinByMoments {
             let [first, second] = series::columns(series, time);
             [0, 1, 2].map(|row| [first[row], second[row]])
         };
-        let node = Node {
+        let node = SeriesNode {
             spin: after(&spin),
             turn: after(&turn),
             grid: values.node(&self.motion, &node.grid, time),
         };
-        let step = Step {
+        let step = SeriesStep {
             from,
             reach,
             spin,
@@ -148,7 +148,7 @@ impl SpinByMoments {
     }
 
     /// Series of `Z` and `η` from a node, given that of `ω`.
-    fn series(&self, omega: &Series<3>, node: &Node) -> (Columns, Columns) {
+    fn series(&self, omega: &Series<3>, node: &SeriesNode) -> (Columns, Columns) {
         let mut spin = [Pair::default(); ORDER + 1];
         let mut turn = [Pair::default(); ORDER + 1];
         (spin[0], turn[0]) = (node.spin, node.turn);

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use super::met::{stacked, thirds};
 use super::point::{Moves, Point};
 use super::rule::MetChange;
-use super::{LinkContact, Solved, TreeImpact};
+use super::{LinkContact, SolvedImpulses, TreeImpact};
 use crate::physics::impact::{ImpactError, Law};
 use crate::physics::state::{DIMENSION, part};
 use crate::physics::tree::forest::snapshot::ForestSnapshot;
@@ -33,7 +33,7 @@ pub struct TreeImpactDerivative {
 }
 
 /// How a contact changes with the coordinates of the forest.
-struct Moved<'a> {
+struct MovedContact<'a> {
     /// Its gap,
     gap: DMatrix<f64>,
     /// its untilted normal [world],
@@ -61,14 +61,14 @@ impl ForestSnapshot<'_> {
 
     fn derivative_of(
         &self,
-        solved: &Solved,
+        solved: &SolvedImpulses,
         state: &TreeState,
         of: &LinkContact,
     ) -> Result<TreeImpactDerivative, ImpactError> {
         let freedoms = self.forest.freedoms();
         let trees = self.moves(solved);
         let moved = (0..solved.met.len()).map(|at| self.moved(solved, at, of, state, &trees));
-        let moved: Vec<Moved> = moved.collect::<Result<_, ImpactError>>()?;
+        let moved: Vec<MovedContact> = moved.collect::<Result<_, ImpactError>>()?;
         let response = |impulses: &DVector<f64>| response(solved, &trees, &moved, impulses);
         let own = response(&solved.impulses_n_s);
         let tried = solved.rule.tried(&solved.met);
@@ -115,7 +115,7 @@ impl ForestSnapshot<'_> {
                 speed[column] = met.touch.normal.dot(velocity);
             }
         }
-        let gap = |of: &Moved| of.gap.transpose().resize_vertically(2 * freedoms, 0.0);
+        let gap = |of: &MovedContact| of.gap.transpose().resize_vertically(2 * freedoms, 0.0);
         Ok(TreeImpactDerivative {
             gaps: moved
                 .iter()
@@ -131,12 +131,12 @@ impl ForestSnapshot<'_> {
 
     fn moved<'m>(
         &self,
-        solved: &Solved,
+        solved: &SolvedImpulses,
         contact: usize,
         of: &LinkContact,
         state: &TreeState,
         trees: &'m [Moves<'m>],
-    ) -> Result<Moved<'m>, ImpactError> {
+    ) -> Result<MovedContact<'m>, ImpactError> {
         let freedoms = self.forest.freedoms();
         let [a, b] = &solved.frames;
         let (_, by_pose) = of.contacts.as_slice()[contact]
@@ -167,7 +167,7 @@ impl ForestSnapshot<'_> {
             (side.sign, Point::new(moves, link, &side.point_m, slides))
         });
         let points: Vec<(f64, Point)> = points.collect();
-        Ok(Moved {
+        Ok(MovedContact {
             gap,
             normal,
             turn,
@@ -177,7 +177,7 @@ impl ForestSnapshot<'_> {
     }
 
     /// The trees that take part, each once.
-    fn moves(&self, solved: &Solved) -> Vec<Moves<'_>> {
+    fn moves(&self, solved: &SolvedImpulses) -> Vec<Moves<'_>> {
         let mut trees: Vec<usize> = Vec::new();
         // The sides of all contacts are the same links.
         for side in &solved.met[0].sides {
@@ -193,7 +193,7 @@ impl ForestSnapshot<'_> {
     }
 }
 
-impl Solved {
+impl SolvedImpulses {
     /// Rates after by the two tilts, all poses held; `tried` is how many responses the law asks for.
     fn by_tilt(&self, tried: usize) -> Option<DMatrix<f64>> {
         let met = &self.met;
@@ -238,9 +238,9 @@ fn sum(
 
 /// `δ(J) w` of each contact and `δw` of `w = M⁻¹ Jᵀ p` by each coordinate.
 fn response(
-    solved: &Solved,
+    solved: &SolvedImpulses,
     trees: &[Moves],
-    moved: &[Moved],
+    moved: &[MovedContact],
     impulses: &DVector<f64>,
 ) -> (Vec<Vec<Vector3<f64>>>, DMatrix<f64>) {
     let rates = &solved.response * impulses;

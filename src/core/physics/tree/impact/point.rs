@@ -23,7 +23,7 @@ use crate::physics::tree::snapshot::Snapshot;
 use crate::physics::tree::spatial::{Force, Inertia, Motion};
 
 /// What moves with a coordinate.
-struct Column {
+struct PointColumn {
     axis: Motion,
     /// The first node that moves; none: everything, with a free base's place.
     node: Option<usize>,
@@ -36,7 +36,7 @@ pub(super) struct Moves<'a> {
     pub(super) tree: usize,
     /// and those of its rates among all.
     pub(super) rates: Range<usize>,
-    columns: Vec<Column>,
+    columns: Vec<PointColumn>,
 }
 
 /// The contact point on a link of a tree, and what its place changes with.
@@ -52,7 +52,7 @@ pub(super) struct Point<'a> {
 impl<'a> Moves<'a> {
     pub(super) fn new(snapshot: &'a Snapshot<'a>, tree: usize, rates: Range<usize>) -> Self {
         let of = snapshot.tree;
-        let translations = (0..of.shift()).map(|axis| Column {
+        let translations = (0..of.shift()).map(|axis| PointColumn {
             axis: Motion {
                 angular: Vector3::zeros(),
                 linear: snapshot.turn.tr_mul(&Vector3::ith(axis, 1.0)),
@@ -61,7 +61,7 @@ impl<'a> Moves<'a> {
         });
         let turns = of.nodes.iter().enumerate().flat_map(|(index, node)| {
             let axes = &snapshot.field.kinematics.axes;
-            node.columns().map(move |column| Column {
+            node.columns().map(move |column| PointColumn {
                 axis: axes[column],
                 node: Some(index),
             })
@@ -110,7 +110,7 @@ impl<'a> Moves<'a> {
     }
 
     /// Of what a column's node hangs from; zero of a free base's place, which hangs from nothing.
-    fn above(&self, column: &Column, motions: &[Motion]) -> Motion {
+    fn above(&self, column: &PointColumn, motions: &[Motion]) -> Motion {
         let Some(node) = column.node else {
             return Motion::ZERO;
         };
