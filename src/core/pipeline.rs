@@ -23,7 +23,7 @@ mod stages;
 mod warm;
 
 use self::diagnose::diagnose;
-use self::led::Led;
+use self::led::LedByGoals;
 pub use self::outcome::{Outcome, PipelineError};
 use self::perform::{Performed, Prepared};
 pub use self::preview::{Preview, Previewed};
@@ -196,7 +196,7 @@ impl Pipeline {
         let Counted { observer, work } = counted;
         let sought = rest::seek(&mut solved, &self.events, observer);
         solved.judge(observer);
-        let led = Led::of(&solved, &self.events, observer)?;
+        let led = LedByGoals::of(&solved, &self.events, observer)?;
         if let Some(led) = &led {
             led.clear(&mut solved);
         }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::error::IngestError;
 use super::report::TakeReport;
-use super::route::{self, Format};
+use super::route::{self, RouteFormat};
 use super::source::{RecordingSource, Source};
 use super::survey::{Survey, cameras, choose_frames};
 use crate::motion::{Scene, SketchRow, Stamp, TakeEvent};
@@ -182,8 +182,8 @@ impl Recording {
                 source,
             };
             match feed.format {
-                Format::Poses(_) => {}
-                Format::Keyframes => {
+                RouteFormat::Poses(_) => {}
+                RouteFormat::Keyframes => {
                     let keyframe = decode_keyframe(message.data).map_err(failed)?;
                     for route in feed.routes.iter().map(|route| &routes[*route]) {
                         if let Some(track) = route.track {
@@ -196,7 +196,7 @@ impl Recording {
                         }
                     }
                 }
-                Format::Marks(format) => {
+                RouteFormat::Marks(format) => {
                     let mark = format.decode(message.data).map_err(failed)?.mark(log_time);
                     rows.push((0, log_time, SketchRow::Mark(mark)));
                 }

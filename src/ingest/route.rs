@@ -21,14 +21,14 @@ const NAMED_IN: usize = 100;
 
 /// The use of a channel's messages for the scene.
 #[derive(Clone, Debug)]
-pub(super) struct Feed {
-    pub(super) format: Format,
+pub(super) struct RouteFeed {
+    pub(super) format: RouteFormat,
     /// Indices of the routes that read them: several tracks may share a topic.
     pub(super) routes: Vec<usize>,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Format {
+pub(super) enum RouteFormat {
     Poses(PoseFormat),
     /// `enact.Keyframe`: what is known of the body itself.
     Keyframes,
@@ -77,9 +77,9 @@ pub(super) fn routes(
     container: &Container,
     scene: &Scene,
     notes: &mut Vec<String>,
-) -> Result<(Vec<Route>, BTreeMap<u16, Feed>), IngestError> {
+) -> Result<(Vec<Route>, BTreeMap<u16, RouteFeed>), IngestError> {
     let mut routes = Vec::new();
-    let mut feeds: BTreeMap<u16, Feed> = BTreeMap::new();
+    let mut feeds: BTreeMap<u16, RouteFeed> = BTreeMap::new();
     let topics = container.topics();
     let present = || topics.iter().map(|topic| (*topic).to_owned()).collect();
     for index in scene.tracks.keys() {
@@ -98,11 +98,11 @@ pub(super) fn routes(
                 }
             };
             let format = |name: &str, encoding: &str| match (name, encoding) {
-                (KEYFRAME_SCHEMA, "json") => Some(Format::Keyframes),
-                _ => PoseFormat::of(name, encoding).map(Format::Poses),
+                (KEYFRAME_SCHEMA, "json") => Some(RouteFormat::Keyframes),
+                _ => PoseFormat::of(name, encoding).map(RouteFormat::Poses),
             };
             for (id, format) in formats(path, container, &topic, format, POSE_SCHEMAS)? {
-                let feed = feeds.entry(id).or_insert_with(|| Feed {
+                let feed = feeds.entry(id).or_insert_with(|| RouteFeed {
                     format,
                     routes: Vec::new(),
                 });
@@ -124,7 +124,8 @@ pub(super) fn routes(
     if scene.timing == Timing::Edited && !topics.contains(marks) {
         return Ok((routes, feeds));
     }
-    let format = |name: &str, encoding: &str| MarkFormat::of(name, encoding).map(Format::Marks);
+    let format =
+        |name: &str, encoding: &str| MarkFormat::of(name, encoding).map(RouteFormat::Marks);
     // Marks on another topic suggest a mistake in the scene; a recording may also have no marks.
     let is_marks = |channel: &Channel| {
         let schema = container
@@ -147,7 +148,7 @@ pub(super) fn routes(
     for (id, format) in formats(path, container, marks, format, MARK_SCHEMAS)? {
         feeds.insert(
             id,
-            Feed {
+            RouteFeed {
                 format,
                 routes: vec![routes.len()],
             },
@@ -309,9 +310,9 @@ fn formats(
     path: &Path,
     container: &Container,
     topic: &str,
-    format: impl Fn(&str, &str) -> Option<Format>,
+    format: impl Fn(&str, &str) -> Option<RouteFormat>,
     supported: &'static str,
-) -> Result<Vec<(u16, Format)>, IngestError> {
+) -> Result<Vec<(u16, RouteFormat)>, IngestError> {
     let schema_name = |channel: &Channel| {
         container
             .schema_of(channel)

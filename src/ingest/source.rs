@@ -7,7 +7,7 @@ use super::error::IngestError;
 use super::frames::{Rooted, seen_from};
 use super::path::PathSeen;
 use super::report::{TakeReport, TopicReport};
-use super::route::{Feed, Format, Route};
+use super::route::{Route, RouteFeed, RouteFormat};
 use super::survey::Survey;
 use crate::motion::{Keyframe, Stamp, TakeEvent};
 use crate::wire::container::Walk;
@@ -48,7 +48,7 @@ pub struct RecordingSource {
     path: PathBuf,
     walk: Walk,
     routes: Vec<Route>,
-    feeds: BTreeMap<u16, Feed>,
+    feeds: BTreeMap<u16, RouteFeed>,
     /// Events of the last message that were not yet returned.
     ready: VecDeque<(Stamp, TakeEvent)>,
     poses: Vec<FramedPose>,
@@ -67,7 +67,7 @@ impl RecordingSource {
         path: PathBuf,
         walk: Walk,
         routes: Vec<Route>,
-        feeds: BTreeMap<u16, Feed>,
+        feeds: BTreeMap<u16, RouteFeed>,
         survey: Survey,
         mut report: TakeReport,
     ) -> Self {
@@ -117,7 +117,7 @@ impl RecordingSource {
         }
         let mut keyframe = None;
         let decoded = match feed.format {
-            Format::Marks(format) => format.decode(message.data).map(|mark| {
+            RouteFormat::Marks(format) => format.decode(message.data).map(|mark| {
                 let route = feed.routes[0];
                 let fallback = self.survey.fallback(route, log_time);
                 let topic = &mut self.report.topics[route];
@@ -127,11 +127,11 @@ impl RecordingSource {
                 let mark = mark.mark(fallback.stamp());
                 self.ready.push_back((log_time, TakeEvent::Mark(mark)));
             }),
-            Format::Poses(format) => {
+            RouteFormat::Poses(format) => {
                 self.poses.clear();
                 format.decode(message.data, &mut self.poses)
             }
-            Format::Keyframes => decode_keyframe(message.data).map(|of| keyframe = Some(of)),
+            RouteFormat::Keyframes => decode_keyframe(message.data).map(|of| keyframe = Some(of)),
         };
         let routes = feed.routes.clone();
         if let Err(error) = decoded {
@@ -144,7 +144,7 @@ impl RecordingSource {
             for route in routes {
                 self.route_keyframe(route, log_time, &keyframe)?;
             }
-        } else if matches!(feed.format, Format::Poses(_)) {
+        } else if matches!(feed.format, RouteFormat::Poses(_)) {
             for route in routes {
                 self.route_poses(route, log_time)?;
             }

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 
 use super::error::{IngestError, listed};
 use super::frames::{Frames, Rooted, frame_name, is_optical, may_be_camera};
-use super::route::{Feed, Format, Route};
+use super::route::{Route, RouteFeed, RouteFormat};
 use crate::motion::Stamp;
 use crate::wire::container::Container;
 use crate::wire::decode::PoseFormat;
@@ -128,7 +128,11 @@ impl Surveyed {
 
 impl Survey {
     /// Looks through a recording's messages once.
-    pub(super) fn of(container: &Container, routes: &[Route], feeds: &BTreeMap<u16, Feed>) -> Self {
+    pub(super) fn of(
+        container: &Container,
+        routes: &[Route],
+        feeds: &BTreeMap<u16, RouteFeed>,
+    ) -> Self {
         let transforms: BTreeMap<u16, PoseFormat> = container
             .channels()
             .iter()
@@ -151,13 +155,13 @@ impl Survey {
             let feed = feeds.get(&message.channel_id);
             let relates = transforms.get(&message.channel_id);
             let format = match (feed.map(|feed| feed.format), relates) {
-                (Some(Format::Poses(format)), _) => format,
-                (None | Some(Format::Keyframes), Some(format)) => *format,
-                (Some(Format::Marks(format)), _) => {
+                (Some(RouteFormat::Poses(format)), _) => format,
+                (None | Some(RouteFormat::Keyframes), Some(format)) => *format,
+                (Some(RouteFormat::Marks(format)), _) => {
                     survey.mark(feed, format, message.data);
                     continue;
                 }
-                (None | Some(Format::Keyframes), None) => continue,
+                (None | Some(RouteFormat::Keyframes), None) => continue,
             };
             looked += 1;
             if looked > MESSAGES {
@@ -188,7 +192,7 @@ impl Survey {
         survey
     }
 
-    fn mark(&mut self, feed: Option<&Feed>, format: MarkFormat, data: &[u8]) {
+    fn mark(&mut self, feed: Option<&RouteFeed>, format: MarkFormat, data: &[u8]) {
         let decoded = format.decode(data);
         let stamp = decoded.ok().and_then(|mark| mark.stamp);
         for route in feed.iter().flat_map(|feed| &feed.routes) {

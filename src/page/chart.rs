@@ -15,7 +15,7 @@ const TOLERANCE_PX: f64 = 0.2;
 const DOTS: usize = 160;
 
 /// Something drawn in a chart.
-pub(super) enum Mark {
+pub(super) enum ChartMark {
     /// Points that follow each other, with a class for the line and one for the dots.
     Series {
         points: Vec<[f64; 2]>,
@@ -40,7 +40,7 @@ pub(super) struct Chart<'a> {
     pub axes: [&'a str; 2],
     /// What it shows, for who cannot see it.
     pub label: String,
-    pub marks: Vec<Mark>,
+    pub marks: Vec<ChartMark>,
 }
 
 impl Chart<'_> {
@@ -116,9 +116,9 @@ impl Chart<'_> {
         );
     }
 
-    fn mark(&self, out: &mut String, mark: &Mark) {
+    fn mark(&self, out: &mut String, mark: &ChartMark) {
         match mark {
-            Mark::Series { points, classes } => {
+            ChartMark::Series { points, classes } => {
                 let points: Vec<[f64; 2]> = points.iter().map(|at| self.at(*at)).collect();
                 let _ = write!(
                     out,
@@ -138,7 +138,7 @@ impl Chart<'_> {
                     );
                 }
             }
-            Mark::Level { at, name } => {
+            ChartMark::Level { at, name } => {
                 let [from, to] = self.across.map(|x| self.at([x, *at]));
                 let _ = write!(
                     out,
@@ -148,7 +148,7 @@ impl Chart<'_> {
                 let attributes = " class=\"dim halo\" font-size=\"10.5\" text-anchor=\"end\"";
                 *out += &text([to[0], to[1] - 4.0], attributes, name);
             }
-            Mark::Guide { from, to } => {
+            ChartMark::Guide { from, to } => {
                 let ends = [self.at(*from), self.at(*to)];
                 let _ = write!(
                     out,
@@ -156,7 +156,7 @@ impl Chart<'_> {
                     line(&ends)
                 );
             }
-            Mark::Event { at, name } => {
+            ChartMark::Event { at, name } => {
                 let [foot, head] = self.up.map(|y| self.at([*at, y]));
                 let _ = write!(
                     out,
@@ -172,7 +172,7 @@ impl Chart<'_> {
                     format!(" class=\"et halo\" font-size=\"10.5\" text-anchor=\"{anchor}\"");
                 *out += &text([x, head[1] + 20.0], &attributes, &shortened(name, 18));
             }
-            Mark::Ring { at, name } => {
+            ChartMark::Ring { at, name } => {
                 let [x, y] = self.at(*at);
                 let _ = write!(
                     out,
@@ -248,7 +248,7 @@ mod tests {
             up: [0.0, 10.0],
             axes: ["s", "mm"],
             label: "a <b>".to_owned(),
-            marks: vec![Mark::Series {
+            marks: vec![ChartMark::Series {
                 points: vec![[0.0, 0.0], [2.0, 10.0]],
                 classes: ["b0".to_owned(), "b0".to_owned()],
             }],

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-use super::chart::{Chart, Mark, from_zero};
+use super::chart::{Chart, ChartMark, from_zero};
 use super::input::Page;
 use super::said::{Said, Segment};
 use super::seen::seen_points;
@@ -119,11 +119,11 @@ fn card(
             continue;
         }
         let class = class_of_track(page.scene, &segment.body);
-        let level = rms.map(|at| Mark::Level {
+        let level = rms.map(|at| ChartMark::Level {
             at,
             name: format!("{at:.2}{}{unit}", if unit == "°" { "" } else { " " }),
         });
-        let series = Mark::Series {
+        let series = ChartMark::Series {
             points,
             classes: [class.clone(), class],
         };
@@ -141,7 +141,7 @@ fn card(
             marks: [series]
                 .into_iter()
                 .chain(level)
-                .chain(inner.iter().map(|(at, name)| Mark::Event {
+                .chain(inner.iter().map(|(at, name)| ChartMark::Event {
                     at: *at,
                     name: (*name).to_owned(),
                 }))

@@ -1,6 +1,6 @@
 //! Acted time against physical time.
 
-use super::chart::{Chart, Mark};
+use super::chart::{Chart, ChartMark};
 use super::input::Page;
 use super::said::{BodyTimes, Said};
 use super::theme::class_of_track;
@@ -21,21 +21,21 @@ pub(super) fn chart(page: &Page, said: &Said) -> Option<String> {
     // As fast as acted: from the first sample on.
     let first = [across[0].max(0.0), up[0].max(0.0)];
     let run_s = (across[1] - first[0]).min(up[1] - first[1]);
-    let mut marks = vec![Mark::Guide {
+    let mut marks = vec![ChartMark::Guide {
         from: first,
         to: first.map(|at| at + run_s),
     }];
     marks.extend(bodies.iter().map(|of| {
         let class = class_of_track(page.scene, &of.body);
         let points = of.acted_s.iter().zip(&of.physical_s);
-        Mark::Series {
+        ChartMark::Series {
             points: points
                 .map(|(acted_s, physical_s)| [*acted_s, *physical_s])
                 .collect(),
             classes: [class.clone(), class],
         }
     }));
-    marks.extend(said.events.iter().map(|event| Mark::Ring {
+    marks.extend(said.events.iter().map(|event| ChartMark::Ring {
         at: [event.acted_s, event.time_s],
         name: event.name.clone(),
     }));

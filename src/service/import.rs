@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail, ensure};
 use serde::Serialize;
 
-use self::kind::Kind;
+use self::kind::ImportKind;
 use self::names::{Named, listed, name_of_file, topics};
-use self::told::{Told, told};
+use self::told::{ToldImport, told};
 use super::guard::Inputs;
 use super::mark::{check_event, stamp_of};
 use super::working::Working;
@@ -132,12 +132,12 @@ pub fn import(job: &ImportJob) -> anyhow::Result<Imported> {
         let bytes =
             read_whole(input).with_context(|| format!("{}: cannot read", input.display()))?;
         match kind::of(input, bytes)? {
-            Kind::Table(text) => {
+            ImportKind::Table(text) => {
                 let mut table = read_table(input, &text.text, &job.options)?;
                 table.notes.extend(text.note);
                 tables.push((input, table));
             }
-            Kind::Recording(bytes) => recordings.push((input.clone(), bytes)),
+            ImportKind::Recording(bytes) => recordings.push((input.clone(), bytes)),
         }
     }
     working.now("writing");
@@ -239,7 +239,7 @@ fn recording(
         .collect();
     let scene_read = scene.map(|(scene, _)| scene);
     let topics = topics(&names, &job.topics, scene_read)?;
-    let mut of_all = Told::default();
+    let mut of_all = ToldImport::default();
     of_all.against.extend(apart(tables));
     if !never.is_empty() {
         let never: Vec<&str> = never.iter().map(|named| named.name.as_str()).collect();
@@ -364,7 +364,7 @@ fn marks_of_heads(
     tables: &[(&PathBuf, PoseTable)],
     by_hand: &[Mark],
     scene: Option<&Scene>,
-    told: &mut Told,
+    told: &mut ToldImport,
 ) -> Vec<Mark> {
     let mut marks = Vec::new();
     for (name, stamp) in tables.iter().flat_map(|(_, table)| &table.marks) {
@@ -414,7 +414,7 @@ fn line(
     named: &Named,
     topic: &str,
     samples: &[&PoseSample],
-    told: &Told,
+    told: &ToldImport,
     origin: Stamp,
 ) -> BodyLine {
     let mut extent_m = [[f64::INFINITY, f64::NEG_INFINITY]; 3];

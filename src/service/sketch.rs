@@ -12,7 +12,7 @@ use anyhow::{Context, bail};
 use serde::Serialize;
 
 pub use self::keyframes::Density;
-use self::keyframes::Motion;
+use self::keyframes::SketchMotion;
 use self::places::placed;
 use super::deadline::Deadline;
 use super::finish::{lost, open, warnings};
@@ -231,12 +231,13 @@ fn read(
             let take = opened.recording.take(scene)?;
             let mut notes = (lost(&take.report), warnings(&take.report));
             let motion = if job.is_estimated {
-                let (motion, known) = Motion::estimated(scene, take.events, deadline, working)
-                    .with_context(|| job.input.display().to_string())?;
+                let (motion, known) =
+                    SketchMotion::estimated(scene, take.events, deadline, working)
+                        .with_context(|| job.input.display().to_string())?;
                 notes.1.extend(known);
                 motion
             } else {
-                Motion::acted(scene, &take.events)
+                SketchMotion::acted(scene, &take.events)
                     .with_context(|| job.input.display().to_string())?
             };
             (motion.rows(scene, job.density)?, notes)

@@ -50,7 +50,7 @@ pub(super) struct Hanging<'a> {
     /// The child's frame in its link axes.
     link_from_body: Pose,
     /// Its hinges, from the parent to the child; of a fixed joint none.
-    pub hinges: Vec<Hinge>,
+    pub hinges: Vec<SkeletonHinge>,
     /// The tree that it is part of.
     mechanism: MechanismIndex,
     /// How many hinges the joints before it in the tree have.
@@ -59,7 +59,7 @@ pub(super) struct Hanging<'a> {
 
 /// A hinge of a joint.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Hinge {
+pub(super) struct SkeletonHinge {
     /// Its name.
     pub name: String,
     /// Name of the frame that turns on it.
@@ -223,7 +223,7 @@ fn hanging<'a>(
             None => joint.name.clone(),
         };
         let limits_rad = joint.joint.limits_rad.get(index).copied();
-        Hinge {
+        SkeletonHinge {
             frame: unused(&mut names.frames, format!("{name}_link")),
             name,
             axis,

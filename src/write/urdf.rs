@@ -16,7 +16,7 @@ use std::fmt::Write;
 
 use nalgebra::{Translation3, Vector3};
 
-use super::skeleton::{Hanging, Hinge, Skeleton};
+use super::skeleton::{Hanging, Skeleton, SkeletonHinge};
 use super::topics;
 use crate::math::{Pose, euler};
 use crate::motion::{Link, LinkIndex, Scene};
@@ -110,7 +110,13 @@ fn add_hinges<'s>(text: &mut String, hanging: &'s Hanging) -> &'s str {
     parent
 }
 
-fn add_hinge(text: &mut String, hanging: &Hanging, hinge: &Hinge, parent: &str, pose: &Pose) {
+fn add_hinge(
+    text: &mut String,
+    hanging: &Hanging,
+    hinge: &SkeletonHinge,
+    parent: &str,
+    pose: &Pose,
+) {
     let kind = match hinge.limits_rad {
         Some(_) => "revolute",
         None => "continuous",

@@ -3,11 +3,11 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::error::{Fault, fault};
-use super::frame::{Solids, in_axes, inertia, one_mass};
+use super::frame::{GivenSolids, in_axes, inertia, one_mass};
 use super::held::held;
 use super::number::{direction, name, not_negative, unique, vector, vector_from_mm};
 use super::raw::{Number, RawBody};
-use super::solid::{Placed, SizeLimits, shape};
+use super::solid::{PlacedSolid, SizeLimits, shape};
 use super::spanned::Spanned;
 use super::track::tracks;
 use crate::math::Pose;
@@ -34,7 +34,7 @@ pub(super) fn body(
     let name = name("body", &raw.name)?;
     let (placed, names) = solids(spanned)?;
     let span = raw.shape.as_ref().map_or(spanned.span(), Spanned::span);
-    let solids = Solids {
+    let solids = GivenSolids {
         placed: &placed,
         span: span.clone(),
     };
@@ -65,7 +65,7 @@ pub(super) fn body(
 }
 
 /// A solid with the mass that the file gives it.
-type Massive = (Placed, Option<f64>);
+type Massive = (PlacedSolid, Option<f64>);
 
 /// The solids of a body, and their names where it has parts.
 fn solids(spanned: &Spanned<RawBody>) -> Result<(Vec<Massive>, Vec<String>), Fault> {
@@ -99,7 +99,7 @@ fn solids(spanned: &Spanned<RawBody>) -> Result<(Vec<Massive>, Vec<String>), Fau
 
 /// The shape of a body in link axes: of parts all together, with those of their features that are not inside
 /// another part.
-fn whole(solids: &Solids, names: &[String], link_from_given: &Pose) -> Shape {
+fn whole(solids: &GivenSolids, names: &[String], link_from_given: &Pose) -> Shape {
     let placed = solids.placed.iter();
     let mut shapes = placed.map(|(of, _)| {
         let link_from_shape = link_from_given * of.given_from_shape;

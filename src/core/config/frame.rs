@@ -10,14 +10,14 @@ use super::error::{Fault, fault};
 use super::number::{positive, vector, vector_from_mm};
 use super::principal::{ROUNDING, principal};
 use super::raw::RawBody;
-use super::solid::Placed;
+use super::solid::PlacedSolid;
 use super::spanned::Spanned;
 use crate::math::Pose;
 use crate::physics::shape::{Compound, MOMENT_TOLERANCE, MassDistribution, Part, equalise};
 use crate::physics::{Body, BodyError, Shape};
 
 /// A body's inertia and where its link axes are.
-pub(super) struct Inertia {
+pub(super) struct GivenInertia {
     pub(super) body: Body,
     /// The frame in which the body is given, in link axes.
     pub(super) link_from_given: Pose,
@@ -27,15 +27,18 @@ pub(super) struct Inertia {
 const MASS_KG: std::ops::RangeInclusive<f64> = 1e-6..=1e4;
 
 /// Where the solids of a body are in the frame in which it is given.
-pub(super) struct Solids<'a> {
+pub(super) struct GivenSolids<'a> {
     /// One, unless the body has parts; each with the mass that the file gives it.
-    pub(super) placed: &'a [(Placed, Option<f64>)],
+    pub(super) placed: &'a [(PlacedSolid, Option<f64>)],
     /// What an error about all of them points at.
     pub(super) span: std::ops::Range<usize>,
 }
 
 /// Mass, principal moments and axes of a body that flies: those that are given, or computed.
-pub(super) fn inertia(spanned: &Spanned<RawBody>, solids: &Solids) -> Result<Inertia, Fault> {
+pub(super) fn inertia(
+    spanned: &Spanned<RawBody>,
+    solids: &GivenSolids,
+) -> Result<GivenInertia, Fault> {
     let raw = spanned.get_ref();
     let (mass_kg, mass_span) = mass(spanned, solids)?;
     if !MASS_KG.contains(&mass_kg) {
@@ -106,7 +109,7 @@ pub(super) fn inertia(spanned: &Spanned<RawBody>, solids: &Solids) -> Result<Ine
         }
     }
     let body = Body::new(mass_kg, moments_kg_m2).map_err(|error| refused(error, at))?;
-    Ok(Inertia {
+    Ok(GivenInertia {
         body,
         link_from_given,
     })
@@ -115,7 +118,7 @@ pub(super) fn inertia(spanned: &Spanned<RawBody>, solids: &Solids) -> Result<Ine
 /// The mass \[kg\] and its place: that of the body, or of all its parts.
 fn mass(
     spanned: &Spanned<RawBody>,
-    solids: &Solids,
+    solids: &GivenSolids,
 ) -> Result<(f64, std::ops::Range<usize>), Fault> {
     let raw = spanned.get_ref();
     let of_parts: Vec<f64> = solids.placed.iter().filter_map(|(_, mass)| *mass).collect();
@@ -175,7 +178,7 @@ pub(super) fn one_mass(
 }
 
 /// Principal moments over mass from the solids, and the frame that this makes.
-fn computed(solids: &Solids) -> Result<(Pose, Vector3<f64>), Fault> {
+fn computed(solids: &GivenSolids) -> Result<(Pose, Vector3<f64>), Fault> {
     if let [(only, _)] = solids.placed
         && only.given_from_shape == Pose::identity()
         && only.is_filled

@@ -37,7 +37,7 @@ const HOLLOW: &[&str] = &[
 
 /// A solid at its place in the frame of what it is of.
 #[derive(Clone, Debug)]
-pub(super) struct Placed {
+pub(super) struct PlacedSolid {
     /// In its own axes.
     pub(super) shape: Shape,
     /// Where these are.
@@ -59,7 +59,7 @@ pub(super) fn shape(
     what: &str,
     raw: &Spanned<RawShape>,
     limits: &SizeLimits,
-) -> Result<Placed, Fault> {
+) -> Result<PlacedSolid, Fault> {
     let (shape, exact) = by_kind(raw)?;
     let refused = |error: ShapeError| Fault {
         span: raw.span(),
@@ -100,7 +100,7 @@ pub(super) fn shape(
         (Some(wall), kind) if kind != "revolution" => hollow(&shape, &mass, wall)?,
         _ => mass,
     };
-    Ok(Placed {
+    Ok(PlacedSolid {
         mass: mass.placed(&given_from_shape),
         shape,
         given_from_shape,

@@ -137,7 +137,7 @@ pub fn judge(
         || !scored(Which::Cheap).is_empty();
     let tried = is_open.then(|| {
         let scored = scored(Which::All);
-        let solved = suspects::Solved {
+        let solved = suspects::SolvedMotion {
             context,
             solution,
             alone: &alone,

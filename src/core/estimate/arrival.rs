@@ -15,7 +15,7 @@ use crate::physics::{Dynamics, State};
 pub(super) type ByStates = SMatrix<f64, 12, 12>;
 
 /// An arc's state at an event.
-pub(super) struct Arrival {
+pub(super) struct GeneralArrival {
     /// The state, and its derivatives by time and by rotations.
     pub(super) end: ArcEnd,
     fallen: Fallen,
@@ -23,7 +23,7 @@ pub(super) struct Arrival {
     by_moments: [Matrix3<f64>; 2],
 }
 
-impl Arrival {
+impl GeneralArrival {
     /// The state of an arc at a time; `None` where no body has such moments.
     pub(super) fn new(
         problem: &Problem,

@@ -129,7 +129,7 @@ impl Problem {
         &self,
         collision: &'a ArcCollision,
         parameters: &[f64],
-    ) -> Option<Touching<'a>> {
+    ) -> Option<TouchedPair<'a>> {
         let mut shifts_m = [Vector3::zeros(); 2];
         let (mut height_m, mut tilt_rad) = (0.0, [0.0; 2]);
         let (mut is_shifted, mut is_moved) = (false, false);
@@ -145,7 +145,7 @@ impl Problem {
             is_moved |= is_surface;
             is_shifted |= !is_surface;
         }
-        let mut touching = Touching {
+        let mut touching = TouchedPair {
             contacts: Cow::Borrowed(&collision.contacts),
             motions: [SMatrix::zeros(); 3],
         };
@@ -172,7 +172,7 @@ impl Problem {
 }
 
 /// What touches at a collision at some values of the parameters.
-pub(super) struct Touching<'a> {
+pub(super) struct TouchedPair<'a> {
     /// The contacts.
     pub(super) contacts: Cow<'a, ContactSet>,
     /// Of each contact's face, if it is moved: its motion by height and tilts

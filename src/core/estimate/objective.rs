@@ -9,7 +9,7 @@ use nalgebra::{DVector, Matrix3, Vector3};
 
 use super::context::{Guidance, SolveContext};
 use super::levered::StateTerms;
-use super::observed::Observer;
+use super::observed::SampleObserver;
 use super::point::Point;
 use super::problem::View;
 use super::samples::{self, ArcTerms, TimeTerms};
@@ -85,7 +85,8 @@ impl<'a> Objective<'a> {
         let flight = (&self.point.arcs[index], self.context.epochs_s[index]);
         let parameters = &self.point.parameters;
         let of = (index, view);
-        let mut observer = Observer::new(problem, of, (body, gravity_m_s2), flight, parameters);
+        let mut observer =
+            SampleObserver::new(problem, of, (body, gravity_m_s2), flight, parameters);
         let stride = self.guidance.stride(view);
         let samples = (0..view.samples.len()).skip(stride / 2).step_by(stride);
         let weight = view.samples.len() as f64 / samples.len().max(1) as f64;

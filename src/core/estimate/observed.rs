@@ -46,7 +46,7 @@ pub(super) struct Observed {
 }
 
 /// The flight of one arc as its tracker sees it.
-pub(super) struct Observer<'a> {
+pub(super) struct SampleObserver<'a> {
     view: &'a View,
     acting: &'a [Acting],
     parameters: &'a [f64],
@@ -107,7 +107,7 @@ impl Following<'_> {
     }
 }
 
-impl<'a> Observer<'a> {
+impl<'a> SampleObserver<'a> {
     /// The flight of an arc of `body` from a state at its epoch, as a view sees it.
     pub(super) fn new(
         problem: &'a Problem,
@@ -173,7 +173,7 @@ impl<'a> Observer<'a> {
         off
     }
 
-    /// [`Observer::off`] in units, with whitening where samples have covariances.
+    /// [`SampleObserver::off`] in units, with whitening where samples have covariances.
     pub(super) fn residual(&mut self, sample: usize, node_times_s: &[f64]) -> Six {
         if !self.view.whitenings.is_empty() {
             return self.observed(sample, node_times_s).residual;
@@ -189,7 +189,7 @@ impl<'a> Observer<'a> {
         self.observed_in(sample, node_times_s, Vec::new())
     }
 
-    /// [`Observer::observed`] with memory for the derivatives by acting parameters.
+    /// [`SampleObserver::observed`] with memory for the derivatives by acting parameters.
     pub(super) fn observed_in(
         &mut self,
         sample: usize,

@@ -6,7 +6,7 @@ use super::constraint::bound::at_bound;
 use super::context::SolveContext;
 use super::covariance::bins::Residuals;
 use super::held_motion;
-use super::observed::Observer;
+use super::observed::SampleObserver;
 use super::point::Point;
 use super::problem::{Problem, TimeSide, View, unit};
 use super::recipe::Solution;
@@ -294,7 +294,8 @@ pub fn errors(problem: &Problem, context: &SolveContext, point: &Point) -> Vec<R
         let Dynamics::Free(body) = &dynamics[problem.arcs[arc].mechanism];
         let flight = (&point.arcs[arc], context.epochs_s[arc]);
         let of = (arc, view);
-        let mut observer = Observer::new(problem, of, (body, &gravity), flight, &point.parameters);
+        let mut observer =
+            SampleObserver::new(problem, of, (body, &gravity), flight, &point.parameters);
         let samples = 0..view.samples.len();
         Residuals {
             kinds: view.kinds(),

@@ -33,7 +33,7 @@ pub(super) enum Steady {
 
 /// The best fit with one rate.
 #[derive(Clone, Debug)]
-pub(super) struct Circle {
+pub(super) struct FittedCircle {
     pub(super) rate_rad_s: f64,
     /// `c` and `v`.
     pub(super) steady: [Vector3<f64>; 2],
@@ -45,7 +45,7 @@ pub(super) struct Circle {
     pub(super) square: f64,
 }
 
-impl Circle {
+impl FittedCircle {
     /// Circles whose rates fit better than those beside them, the best first; none through too few
     /// readings.
     pub(super) fn through(readings: &[Reading], steady: Steady) -> Vec<Self> {

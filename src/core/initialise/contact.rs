@@ -12,7 +12,7 @@ mod ranking;
 mod solids;
 
 pub use self::fitted::Fitted;
-use self::flights::Flights;
+use self::flights::ContactFlights;
 pub use self::rank::ranked;
 pub use self::ranking::{Ranking, Reach};
 use crate::motion::{Guess, Scene, Segment, Sketch};
@@ -27,7 +27,7 @@ pub fn rank(
     guess: &Guess,
     event: usize,
 ) -> Ranking {
-    let flights = Flights {
+    let flights = ContactFlights {
         scene,
         sketch,
         segments,

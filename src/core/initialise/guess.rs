@@ -3,7 +3,7 @@
 use super::ballistic::{self, Place};
 use super::between::{self, FITTED_MIN, is_fitted};
 use super::clock;
-use super::fit::Fit;
+use super::fit::ArcFit;
 use super::readings::Readings;
 use super::turn::{self, OrientationReading};
 use super::{keyed, open_times, pointing, roll, swing, unseen};
@@ -73,7 +73,7 @@ pub fn guess(
     let rates = rates(scene, segments, &readings, &middle_s, known);
     let time_line = GuessedTimes::new(scene, sketch, segments, &rates);
     let mut fit_iterations = 0;
-    let mut fits: Vec<Vec<Fit>> = Vec::new();
+    let mut fits: Vec<Vec<ArcFit>> = Vec::new();
     let mut arcs = Vec::new();
     for ((segment, readings), rate) in segments.iter().zip(&readings).zip(&rates) {
         let middle_s = middle_s(segment);
@@ -99,7 +99,7 @@ pub fn guess(
             continue;
         }
         if readings.turns.is_empty() {
-            fits.push(vec![Fit::of(state, 0.0)]);
+            fits.push(vec![ArcFit::of(state, 0.0)]);
             continue;
         }
         let turns = readings.turns.iter();
@@ -128,7 +128,7 @@ pub fn guess(
                 angular_velocity_rad_s: turn.angular_velocity_rad_s,
                 ..state
             };
-            Fit::of(state, turn.square_rad2)
+            ArcFit::of(state, turn.square_rad2)
         });
         fits.push(turned.collect());
     }
@@ -167,14 +167,14 @@ fn between_marks_s(sketch: &Sketch, segment: &Segment) -> f64 {
 
 /// The guess with every choice of the fitted flights' fits, those with the least sum of squares
 /// first.
-fn combine(segments: &[Segment], guess: &Guess, fits: &[Vec<Fit>], most: usize) -> Vec<Guess> {
-    let mut choices: Vec<(f64, Vec<Fit>)> = vec![(0.0, Vec::new())];
+fn combine(segments: &[Segment], guess: &Guess, fits: &[Vec<ArcFit>], most: usize) -> Vec<Guess> {
+    let mut choices: Vec<(f64, Vec<ArcFit>)> = vec![(0.0, Vec::new())];
     for fits in fits {
         choices = choices
             .iter()
             .flat_map(|(square, chosen)| {
                 fits.iter().map(move |fit| {
-                    let chosen: Vec<Fit> = chosen.iter().copied().chain([*fit]).collect();
+                    let chosen: Vec<ArcFit> = chosen.iter().copied().chain([*fit]).collect();
                     (square + fit.square_rad2, chosen)
                 })
             })

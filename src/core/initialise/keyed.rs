@@ -13,7 +13,7 @@ mod shoot;
 mod turns;
 
 use self::flown::keys;
-use self::follow::{Course, Way};
+use self::follow::{KeyedCourse, Way};
 use crate::motion::{ArcGuess, Guess, Observer, Quantity, Scene, Segment, Sketch};
 use crate::physics::State;
 
@@ -44,7 +44,7 @@ pub(super) fn guesses(
         let own: Vec<usize> = (0..segments.len())
             .filter(|index| segments[*index].mechanism == mechanism)
             .collect();
-        let course = Course::new(scene, sketch, mechanism, &own, segments);
+        let course = KeyedCourse::new(scene, sketch, mechanism, &own, segments);
         // The first flight of a single pose is found by shooting at what it hits, where all impacts
         // are known.
         let is_aimed = course.samples.len() > 1 && course.is_known();

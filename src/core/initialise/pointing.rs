@@ -4,7 +4,7 @@
 //! min over R, ω   Σ |d_i − R(s_i) a|²,   R(s) the free rotation from R, ω
 //! ```
 //!
-//! The axis of a body with three equal moments goes round a [`Circle`], which is the start; other
+//! The axis of a body with three equal moments goes round a [`FittedCircle`], which is the start; other
 //! bodies' begin there too, rolled about the axis in several ways, for they are not alike about it.
 //! A perturbation of the initial state turns `R(s)` by `δ = δθ + s K δω` in the frame of `R(0)`
 //! ([`Spin::turn_and_derivative`]), where the residual `e` changes by `δ × c`, `c = R(0)ᵀ R(s) a`.
@@ -13,7 +13,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
-use super::circle::{Circle, Reading, Steady};
+use super::circle::{FittedCircle, Reading, Steady};
 use super::turn::{Quadratic, READINGS_MAX, TurnFit, descend_on};
 use crate::math::so3;
 use crate::physics::Body;
@@ -44,7 +44,7 @@ pub(super) fn fits(
 ) -> (Vec<TurnFit>, usize) {
     let stride = (directions.len() / READINGS_MAX).max(1);
     let some: Vec<Reading> = directions.iter().copied().step_by(stride).collect();
-    let circles = Circle::through(&some, Steady::Still).into_iter();
+    let circles = FittedCircle::through(&some, Steady::Still).into_iter();
     let rolls: &[f64] = match body.symmetry() {
         Symmetry::Spherical => &ROLLS[..1],
         _ => &ROLLS,
@@ -100,7 +100,7 @@ fn rolled(fit: &TurnFit, axis: &Vector3<f64>, roll_rad: f64) -> TurnFit {
 }
 
 /// The rotation that a circle shows.
-fn start(circle: &Circle, axis: &Vector3<f64>) -> Option<TurnFit> {
+fn start(circle: &FittedCircle, axis: &Vector3<f64>) -> Option<TurnFit> {
     let about = circle.about()?;
     let across = circle.cosine.normalize() * circle.radius();
     let there = about * about.dot(&circle.steady[0]) + across;

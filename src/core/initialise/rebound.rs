@@ -36,7 +36,7 @@ pub(super) struct Rebound<'a> {
 
 /// How a body turns about a rebound [rad/s, world].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Spin {
+pub(super) struct ReboundSpin {
     /// The mean of the angular velocities before and after.
     pub(super) mean_rad_s: Vector3<f64>,
     /// That after less that before.
@@ -95,7 +95,7 @@ impl<'a> Rebound<'a> {
         &self,
         orientation: &UnitQuaternion<f64>,
         [before, after]: [&State; 2],
-    ) -> Option<Spin> {
+    ) -> Option<ReboundSpin> {
         let lever_m = orientation * self.point_m - self.normal * self.radius_m;
         let across_m = lever_m.cross(&self.normal);
         if across_m.norm() < ACROSS_LEAST * lever_m.norm() {
@@ -110,7 +110,7 @@ impl<'a> Rebound<'a> {
             .dot(&(after.velocity_m_s + before.velocity_m_s * e))
             + 0.5 * (1.0 - e) * change_rad_s.dot(&across_m);
         let mean_rad_s = across_m * (-lacks_m_s / ((1.0 + e) * across_m.norm_squared()));
-        Some(Spin {
+        Some(ReboundSpin {
             mean_rad_s,
             change_rad_s,
         })

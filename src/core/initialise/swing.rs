@@ -7,14 +7,14 @@
 //! x₀ + v s + ½ g s² + a u + b cos ωs + (u × b) sin ωs,   a² + |b|² = |p|², b ⊥ u
 //! ```
 //!
-//! which less `½ g s²` is a [`Circle`]. Of `a` both signs fit, of the rotation about `p` nothing is
+//! which less `½ g s²` is a [`FittedCircle`]. Of `a` both signs fit, of the rotation about `p` nothing is
 //! seen.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::ballistic::Place;
-use super::circle::{Circle, Reading, Steady};
-use super::fit::Fit;
+use super::circle::{FittedCircle, Reading, Steady};
+use super::fit::ArcFit;
 use crate::math::so3;
 use crate::physics::State;
 
@@ -30,13 +30,13 @@ pub(super) fn fits(
     lever_m: &Vector3<f64>,
     pull_m_s2: &Vector3<f64>,
     straight: &State,
-) -> Vec<Fit> {
+) -> Vec<ArcFit> {
     let unfallen = |(s, place_m): &Place| (*s, place_m - pull_m_s2 * (0.5 * s * s));
     let unfallen: Vec<Reading> = places.iter().map(unfallen).collect();
-    let mut best = Circle::through(&unfallen, Steady::Moving);
+    let mut best = FittedCircle::through(&unfallen, Steady::Moving);
     best.retain(|circle| circle.radius() > LEAST * lever_m.norm());
     best.truncate(RATES);
-    let fits: Vec<Fit> = best
+    let fits: Vec<ArcFit> = best
         .iter()
         .flat_map(|circle| on_circle(circle, lever_m))
         .collect();
@@ -48,11 +48,11 @@ pub(super) fn fits(
         position_m: straight.position_m - orientation * lever_m,
         ..*straight
     };
-    vec![Fit::of(state, f64::INFINITY)]
+    vec![ArcFit::of(state, f64::INFINITY)]
 }
 
 /// The states at the epoch, with either sign of `a`.
-fn on_circle(circle: &Circle, lever_m: &Vector3<f64>) -> Vec<Fit> {
+fn on_circle(circle: &FittedCircle, lever_m: &Vector3<f64>) -> Vec<ArcFit> {
     let [place_m, velocity_m_s] = circle.steady;
     let Some(about) = circle.about() else {
         return Vec::new();
@@ -73,7 +73,7 @@ fn on_circle(circle: &Circle, lever_m: &Vector3<f64>) -> Vec<Fit> {
             velocity_m_s,
             angular_velocity_rad_s: orientation.inverse() * (about * circle.rate_rad_s),
         };
-        Fit::of(state, circle.square / lever_m.norm_squared())
+        ArcFit::of(state, circle.square / lever_m.norm_squared())
     });
     states.collect()
 }

@@ -12,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::flights::{Flights, Known, nearest};
-use super::rebound::{Rebound, Spin};
+use super::rebound::{Rebound, ReboundSpin};
 use crate::math::so3;
 use crate::motion::{GoalTarget, Guess, MechanismIndex};
 
@@ -37,7 +37,7 @@ impl Twirl {
 /// What is known of a mechanism's rotation at events.
 struct ToldTwirl {
     orientations: Known<UnitQuaternion<f64>>,
-    spins: Known<Spin>,
+    spins: Known<ReboundSpin>,
 }
 
 impl Flights<'_> {

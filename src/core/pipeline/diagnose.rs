@@ -24,7 +24,7 @@ use nalgebra::Vector3;
 use self::budget::Budget;
 use self::facts::Facts;
 use self::fall::falls;
-use self::motion::{Motion, as_delivered, flights_by_stamps, misfit};
+use self::motion::{TriedMotion, as_delivered, flights_by_stamps, misfit};
 use self::remedied::remedied;
 use super::outcome::Outcome;
 use crate::motion::{
@@ -71,7 +71,7 @@ pub(super) fn diagnose(
     let mut budget = Budget::beside(work, scene, events, observer);
     let motion = outcome
         .filter(|outcome| is_motion(outcome))
-        .map(|outcome| Motion {
+        .map(|outcome| TriedMotion {
             scene: outcome.scene.clone(),
             sketch: outcome.sketch.clone(),
             estimate: outcome.estimate.clone(),
@@ -91,7 +91,7 @@ pub(super) fn diagnose(
         flights,
         seen,
     };
-    let without = motion.as_ref().map(Motion::distance);
+    let without = motion.as_ref().map(TriedMotion::distance);
     let most = without.map_or(f64::INFINITY, |without| misfit(scene, &without) / GAIN);
     let mut found: Vec<(f64, Diagnosis)> = Vec::new();
     let remedies = if outcome.is_some_and(|outcome| is_well(outcome, FAR)) {
@@ -202,7 +202,12 @@ fn remedies(facts: &Facts) -> Vec<Remedy> {
 }
 
 /// A remedy with its best value, and the motion with it.
-fn best(remedy: Remedy, facts: &Facts, most: f64, budget: &mut Budget) -> Option<(Remedy, Motion)> {
+fn best(
+    remedy: Remedy,
+    facts: &Facts,
+    most: f64,
+    budget: &mut Budget,
+) -> Option<(Remedy, TriedMotion)> {
     let farthest = match remedy {
         // Lengths in another unit are compared as they came.
         Remedy::PositionUnit(_) => EXPLAINED,
@@ -212,7 +217,7 @@ fn best(remedy: Remedy, facts: &Facts, most: f64, budget: &mut Budget) -> Option
     };
     let mut tried = |remedy: Remedy| {
         let (scene, events) = remedied(&remedy, facts.scene, facts.events)?;
-        let motion = Motion::of(&scene, &events, farthest, budget)?;
+        let motion = TriedMotion::of(&scene, &events, farthest, budget)?;
         Some((remedy, motion))
     };
     let mut best = tried(remedy)?;
@@ -255,7 +260,7 @@ fn best(remedy: Remedy, facts: &Facts, most: f64, budget: &mut Budget) -> Option
 }
 
 /// A mount fitted again, at the times of the last motion.
-fn fitted((remedy, motion): &(Remedy, Motion)) -> Option<Remedy> {
+fn fitted((remedy, motion): &(Remedy, TriedMotion)) -> Option<Remedy> {
     let Remedy::Mount { track, slip, .. } = remedy else {
         return None;
     };
@@ -279,7 +284,7 @@ fn fitted((remedy, motion): &(Remedy, Motion)) -> Option<Remedy> {
 }
 
 /// Directions in which a remedy's value is still to be found: what impacts show and flights do not.
-fn directions((remedy, motion): &(Remedy, Motion)) -> Vec<Vector3<f64>> {
+fn directions((remedy, motion): &(Remedy, TriedMotion)) -> Vec<Vector3<f64>> {
     match remedy {
         Remedy::Surface { surface, .. } => match motion.scene.surfaces[*surface].geometry {
             contact::Feature::Face { normal, .. } => vec![normal],

@@ -1,7 +1,7 @@
 //! Infers the contacts that a scene leaves open (paper §5.1): from the arc fits, solved and
 //! checked; by a search where the fits are ambiguous or the check fails.
 
-use super::search::{Field, Found, SearchWork, search};
+use super::search::{Found, SearchField, SearchWork, search};
 use super::sound::is_sound;
 use crate::estimate::problem::Problem;
 use crate::estimate::{self, Recipe, Solved};
@@ -87,7 +87,7 @@ pub(super) fn infer(
         (ranking.event, contacts.collect())
     });
     let open: Vec<(usize, Vec<Contacts>)> = open.collect();
-    let field = Field {
+    let field = SearchField {
         scene,
         sketch,
         segments,

@@ -4,7 +4,7 @@ mod infer;
 mod rivals;
 mod tried;
 
-use self::tried::Field;
+use self::tried::TriedField;
 use super::infer::NoContact;
 use super::outcome::{Outcome, PipelineError};
 use crate::motion::{DropReason, Observer, Phase, Scene, TakeEvent};
@@ -24,7 +24,7 @@ pub(super) fn outcome(
     segment::hold(scene, &mut sketch)?;
     let span_s = sketch.whole_span_s(scene);
     let marks_made_s: Vec<Option<f64>> = sketch.marks_s.iter().copied().map(Some).collect();
-    let field = Field {
+    let field = TriedField {
         scene,
         sketch: &sketch,
         marks_made_s: &marks_made_s,

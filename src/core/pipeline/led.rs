@@ -12,13 +12,13 @@ use crate::motion::{About, Doubt, Fits, Observer, Place, Suspect, TakeEvent, Ver
 const FARTHER: f64 = 1.5;
 
 /// By how much goals lead a motion away from its performance.
-pub(super) struct Led {
+pub(super) struct LedByGoals {
     doubt: Doubt,
     /// What is suspected of the motion without goals.
     suspects: Vec<Suspect>,
 }
 
-impl Led {
+impl LedByGoals {
     /// What goals cost, if a motion may differ from its performance and the same without its goals is much nearer and
     /// not known to.
     pub(super) fn of(

@@ -34,7 +34,7 @@ const ITERATIONS_MAX: f64 = 1200.0;
 const BENT: f64 = 2.0;
 
 /// The input of a search.
-pub(super) struct Field<'a> {
+pub(super) struct SearchField<'a> {
     pub(super) scene: &'a Scene,
     pub(super) sketch: &'a Sketch,
     pub(super) segments: &'a [Segment],
@@ -83,7 +83,11 @@ pub(super) struct Found {
 }
 
 /// Finds the best sequence; `None` where an open collision has no candidate.
-pub(super) fn search(field: &Field, recipe: &Recipe, observer: &mut dyn Observer) -> Option<Found> {
+pub(super) fn search(
+    field: &SearchField,
+    recipe: &Recipe,
+    observer: &mut dyn Observer,
+) -> Option<Found> {
     if field
         .open
         .iter()
@@ -183,7 +187,7 @@ struct SolvedSequence {
 }
 
 struct Search<'a> {
-    field: &'a Field<'a>,
+    field: &'a SearchField<'a>,
     recipe: &'a Recipe,
     /// The scene, with velocity gaps only where it always has them, so that costs are comparable.
     scene: Scene,
@@ -205,7 +209,7 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(field: &'a Field<'a>, recipe: &'a Recipe, is_bent: bool) -> Self {
+    fn new(field: &'a SearchField<'a>, recipe: &'a Recipe, is_bent: bool) -> Self {
         let mut scene = field.scene.clone();
         if scene.velocity_gaps == VelocityGaps::WhenNeeded {
             scene.velocity_gaps = if is_bent {
@@ -381,7 +385,7 @@ impl<'a> Search<'a> {
     /// Estimates with all contacts known; velocity gaps only where needed.
     fn estimate(&mut self, scene: &Scene, observer: &mut dyn Observer) -> Solved {
         self.work.solves += 1;
-        let Field {
+        let SearchField {
             sketch,
             segments,
             guesses,

@@ -89,7 +89,8 @@ pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Prop
         };
         let toss = toss(scene, index, track);
         let flown = toss.map(|toss| FlownPart::new(track, &toss, collisions.len()));
-        let stream = Stream::new(scene, index, flown.as_ref().map_or(track, |of| &of.track));
+        let stream =
+            ProposedStream::new(scene, index, flown.as_ref().map_or(track, |of| &of.track));
         let cuts = match &flown {
             Some(flown) => flown.cuts(scene, index, &collisions),
             None => stream.best_cuts(&collisions),
@@ -158,7 +159,7 @@ impl FlownPart {
         let from = cuts.last().copied().unwrap_or(0);
         if cuts.len() < events.len() {
             let rest = TrackSketch::new(self.track.samples[from..].to_vec());
-            let more = Stream::new(scene, index, &rest).best_cuts(&events[cuts.len()..])?;
+            let more = ProposedStream::new(scene, index, &rest).best_cuts(&events[cuts.len()..])?;
             cuts.extend(more.into_iter().map(|cut| from + cut));
         }
         Some(cuts)
@@ -166,14 +167,14 @@ impl FlownPart {
 }
 
 /// One track's samples, with the costs of its stretches.
-pub(super) struct Stream<'a> {
+pub(super) struct ProposedStream<'a> {
     scene: &'a Scene,
     samples: &'a [Sample],
     positions: PrefixSums,
     turns: Option<PrefixSums>,
 }
 
-impl<'a> Stream<'a> {
+impl<'a> ProposedStream<'a> {
     pub(super) fn new(scene: &'a Scene, index: TrackIndex, track: &'a TrackSketch) -> Self {
         Self {
             turns: Some(PrefixSums::of_turns(scene, index, track)),
@@ -181,7 +182,7 @@ impl<'a> Stream<'a> {
         }
     }
 
-    /// [`Stream::new`] without the cost of rotations, which is half the work.
+    /// [`ProposedStream::new`] without the cost of rotations, which is half the work.
     pub(super) fn of_positions(
         scene: &'a Scene,
         index: TrackIndex,
@@ -214,7 +215,7 @@ impl<'a> Stream<'a> {
             + turns / weights.orientation_rad.powi(2)
     }
 
-    /// [`Stream::cost`] between two cuts, or ends of the stream: samples beside a cut are left out.
+    /// [`ProposedStream::cost`] between two cuts, or ends of the stream: samples beside a cut are left out.
     fn between(&self, from: usize, to: usize) -> f64 {
         let count = self.samples.len();
         let begin = if from == 0 { 0 } else { (from + 1).min(count) };
@@ -227,7 +228,7 @@ impl<'a> Stream<'a> {
     }
 
     /// Cost of the distance between the features that should touch at a cut, in the units of
-    /// [`Stream::cost`].
+    /// [`ProposedStream::cost`].
     fn apart(&self, event: Option<usize>, cut: usize) -> f64 {
         let collision = event.and_then(|event| self.scene.events[event].kind.collision());
         let Some(collision) = collision else {

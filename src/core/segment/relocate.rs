@@ -3,7 +3,7 @@
 //! A cheap test first: does any refined mark reduce the cost less than a cut elsewhere would? Only
 //! then are proposals computed, and accepted if they explain the stream clearly better.
 
-use super::propose::{CLEAR_SCORE, Stream};
+use super::propose::{CLEAR_SCORE, ProposedStream};
 use super::refine::{unlikely_mark, unlikely_residuals};
 use crate::motion::{Collision, Partner, Scene, Sketch, Timing};
 
@@ -48,7 +48,7 @@ pub fn relocate_marks(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
                 scene.takes_part(mechanism, collision).then_some(event)
             })
             .collect();
-        let quick = Stream::of_positions(scene, index, track);
+        let quick = ProposedStream::of_positions(scene, index, track);
         let marked: Vec<usize> = events
             .iter()
             .map(|event| quick.cut_at(sketch.marks_s[*event]))
@@ -56,7 +56,7 @@ pub fn relocate_marks(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
         if !quick.is_doubtful(&marked) {
             continue;
         }
-        let stream = Stream::new(scene, index, track);
+        let stream = ProposedStream::new(scene, index, track);
         let events: Vec<Option<usize>> = events.into_iter().map(Some).collect();
         let Some(cuts) = stream.best_cuts(&events) else {
             continue;
@@ -95,7 +95,7 @@ pub fn relocate_marks(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
     moved
 }
 
-impl Stream<'_> {
+impl ProposedStream<'_> {
     /// Whether cuts are too close, or one of them gains little, or less than elsewhere.
     fn is_doubtful(&self, cuts: &[usize]) -> bool {
         !self.has_room(cuts)

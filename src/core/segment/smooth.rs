@@ -14,7 +14,7 @@ mod tests;
 
 use std::ops::Range;
 
-use self::chain::{Chain, Nines, Place, Turn};
+use self::chain::{Chain, Nines, PlaceChain, TurnChain};
 use self::filter::{Believed, Noises, Timed};
 use super::cut::median_interval_s;
 use crate::math::Pose;
@@ -60,8 +60,8 @@ pub fn smoothed(
     };
     let of_place = |pose: &Pose| pose.translation.vector;
     let of_turn = |pose: &Pose| pose.rotation;
-    let places = tracked.believed::<Place>(of_place, held.position_sd_m, LEAST_SD[0]);
-    let turns = tracked.believed::<Turn>(of_turn, held.orientation_sd_rad, LEAST_SD[1]);
+    let places = tracked.believed::<PlaceChain>(of_place, held.position_sd_m, LEAST_SD[0]);
+    let turns = tracked.believed::<TurnChain>(of_turn, held.orientation_sd_rad, LEAST_SD[1]);
     let times_s = timed(&tracked.poses, &tracked.marks_s, |_| ())
         .into_iter()
         .map(|one| one.time_s);
@@ -176,7 +176,7 @@ fn near(poses: &[(f64, Pose)], marks_s: &[f64]) -> Vec<Range<usize>> {
     stretches
 }
 
-fn driven(place: &Place, turn: &Turn) -> Driven {
+fn driven(place: &PlaceChain, turn: &TurnChain) -> Driven {
     Driven {
         state: State {
             position_m: place.position_m,

@@ -19,7 +19,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use super::law::Law;
+use super::law::CheckedLaw;
 use super::meeting::World;
 use super::moving::MovingLink;
 use crate::math::so3;
@@ -40,7 +40,7 @@ pub(super) fn balance(world: &World) -> Balance {
         }
     }
     for event in &world.estimate.events {
-        let Some(law) = Law::new(world.scene, world.estimate, event.event) else {
+        let Some(law) = CheckedLaw::new(world.scene, world.estimate, event.event) else {
             continue;
         };
         let side = |link: LinkIndex| {
@@ -146,7 +146,7 @@ struct EstimatedImpact<'a> {
 
 impl<'a> EstimatedImpact<'a> {
     /// `None` where a contact is degenerate.
-    fn new(law: &Law, sides: Vec<BeforeAfter<'a>>) -> Option<Self> {
+    fn new(law: &CheckedLaw, sides: Vec<BeforeAfter<'a>>) -> Option<Self> {
         let frame =
             |side: Option<&BeforeAfter>| side.map_or(Frame::world(), |s| Frame::of(&s.states[0]));
         let frames = [frame(sides.first()), frame(sides.get(1))];
@@ -174,7 +174,7 @@ impl<'a> EstimatedImpact<'a> {
         })
     }
 
-    fn check(&self, law: &Law, balance: &mut Balance) {
+    fn check(&self, law: &CheckedLaw, balance: &mut Balance) {
         let is_smooth = !law.contacts.has_friction();
         let momentum =
             |side: &BeforeAfter, at: usize| side.states[at].velocity_m_s * side.body.mass_kg();
@@ -266,7 +266,7 @@ impl<'a> EstimatedImpact<'a> {
 
     /// The least and the greatest energy loss of the impact by the law \[J\]; `None` where the
     /// contacts depend on each other.
-    fn taken_j(&self, law: &Law) -> Option<[f64; 2]> {
+    fn taken_j(&self, law: &CheckedLaw) -> Option<[f64; 2]> {
         let (count, elastic) = (self.normals.len(), law.law.restitution.powi(2));
         // Rows: a speed along a normal; with friction, along the world's axes at the one contact.
         let directions: Vec<(usize, Vector3<f64>)> = match law.contacts.has_friction() {

@@ -12,8 +12,8 @@
 use nalgebra::{Point3, Vector3};
 
 use super::expected;
-use super::law::Law;
-use super::meeting::{FINITE, Partner, World};
+use super::law::CheckedLaw;
+use super::meeting::{FINITE, MeetingPartner, World};
 use crate::math::Pose;
 use crate::motion::Against;
 use crate::physics::contact::{Contact, Feature, Frame};
@@ -27,7 +27,7 @@ pub(super) struct Gaps<'w> {
 
 struct ContactGap<'w> {
     contact: Contact,
-    partner: Partner<'w>,
+    partner: MeetingPartner<'w>,
     measure: MeasuredPair,
 }
 
@@ -54,7 +54,7 @@ impl<'w> Gaps<'w> {
     /// other body has no arc that ends at the event.
     pub(super) fn new(
         world: &'w World<'w>,
-        law: &Law,
+        law: &CheckedLaw,
         event: usize,
         body: &Pose,
         other: Option<&Pose>,
@@ -126,7 +126,7 @@ impl ContactGap<'_> {
 impl MeasuredPair {
     fn of(
         contact: &Contact,
-        partner: &Partner,
+        partner: &MeetingPartner,
         solid: &Solid,
         body: &Pose,
         other: Option<&Pose>,

@@ -5,7 +5,7 @@ use crate::physics::State;
 use crate::physics::impact::{self, ContactSet, Impact, Side, Velocities};
 
 /// The bodies and contacts of a collision, and its law.
-pub(super) struct Law<'a> {
+pub(super) struct CheckedLaw<'a> {
     scene: &'a Scene,
     pub(super) contacts: ContactSet,
     pub(super) law: impact::Law,
@@ -13,7 +13,7 @@ pub(super) struct Law<'a> {
     pub(super) other: Option<LinkIndex>,
 }
 
-impl<'a> Law<'a> {
+impl<'a> CheckedLaw<'a> {
     /// The law at an event; `None` where it is no collision, where the scene leaves a feature
     /// open, and where the contacts are not supported.
     pub(super) fn new(scene: &'a Scene, estimate: &Estimate, event: usize) -> Option<Self> {
@@ -64,7 +64,7 @@ impl<'a> Law<'a> {
     }
 
     /// The impact of the link, and of the other link if there is one, in these states; `None` as of
-    /// [`Law::after`].
+    /// [`CheckedLaw::after`].
     pub(super) fn impact(&self, state: &State, other: Option<&State>) -> Option<Impact> {
         let side = |link: LinkIndex, state| Side {
             body: &self.scene.links[link].body,

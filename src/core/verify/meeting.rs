@@ -30,7 +30,7 @@ pub(super) struct Fixed {
 
 /// Something with which a link may collide, with its place.
 #[derive(Clone, Copy)]
-pub(super) enum Partner<'w> {
+pub(super) enum MeetingPartner<'w> {
     Plane {
         surface: usize,
         point_m: Vector3<f64>,
@@ -48,11 +48,11 @@ pub(super) enum Partner<'w> {
 }
 
 /// A link and a partner over a time in which both move on one arc.
-pub(super) struct Meeting<'w> {
+pub(super) struct MeetingPair<'w> {
     pub(super) index: LinkIndex,
     pub(super) link: &'w MovingLink<'w>,
     pub(super) arc: &'w ArcEstimate,
-    pub(super) partner: Partner<'w>,
+    pub(super) partner: MeetingPartner<'w>,
     pub(super) from_s: f64,
     pub(super) to_s: f64,
 }
@@ -77,7 +77,7 @@ impl<'a> World<'a> {
 
     /// Every link with every plane, every obstacle and every other link, arc by arc, each pair
     /// once; of held links only with those that fly, and of joined ones none with its neighbours.
-    pub(super) fn meetings(&'a self) -> impl Iterator<Item = Meeting<'a>> {
+    pub(super) fn meetings(&'a self) -> impl Iterator<Item = MeetingPair<'a>> {
         let arcs = |link: LinkIndex| self.links[link].arcs.iter();
         let is_held = |link: LinkIndex| self.links[link].held.is_some();
         self.links.keys().flat_map(move |index| {
@@ -97,7 +97,7 @@ impl<'a> World<'a> {
                 });
                 with_world
                     .chain(with_links)
-                    .map(move |(partner, from_s, to_s)| Meeting {
+                    .map(move |(partner, from_s, to_s)| MeetingPair {
                         index,
                         link: &self.links[index],
                         arc,
@@ -110,7 +110,7 @@ impl<'a> World<'a> {
     }
 
     /// Planes and obstacles.
-    fn standing(&'a self) -> impl Iterator<Item = Partner<'a>> {
+    fn standing(&'a self) -> impl Iterator<Item = MeetingPartner<'a>> {
         let surfaces = 0..self.scene.surfaces.len();
         let obstacles = 0..self.obstacles.len();
         surfaces
@@ -119,8 +119,8 @@ impl<'a> World<'a> {
             .filter_map(|against| self.partner(against, None))
     }
 
-    fn moving(&'a self, index: LinkIndex, arc: &'a ArcEstimate) -> Partner<'a> {
-        Partner::Link {
+    fn moving(&'a self, index: LinkIndex, arc: &'a ArcEstimate) -> MeetingPartner<'a> {
+        MeetingPartner::Link {
             index,
             link: &self.links[index],
             arc,
@@ -129,17 +129,21 @@ impl<'a> World<'a> {
 
     /// The partner that `against` names; a link is taken on its arc that ends at `end_s`. `None`
     /// where it has no such arc, and for surfaces that are no planes.
-    pub(super) fn partner(&'a self, against: Against, end_s: Option<f64>) -> Option<Partner<'a>> {
+    pub(super) fn partner(
+        &'a self,
+        against: Against,
+        end_s: Option<f64>,
+    ) -> Option<MeetingPartner<'a>> {
         match against {
             Against::Surface(surface) => {
                 let (point_m, normal) = self.scene.surfaces[surface].plane()?;
-                Some(Partner::Plane {
+                Some(MeetingPartner::Plane {
                     surface,
                     point_m,
                     normal,
                 })
             }
-            Against::Obstacle(index) => Some(Partner::Obstacle {
+            Against::Obstacle(index) => Some(MeetingPartner::Obstacle {
                 index,
                 fixed: &self.obstacles[index],
             }),
@@ -172,23 +176,25 @@ impl<'a> World<'a> {
     }
 }
 
-impl Partner<'_> {
+impl MeetingPartner<'_> {
     pub(super) fn against(&self) -> Against {
         match *self {
-            Partner::Plane { surface, .. } => Against::Surface(surface),
-            Partner::Obstacle { index, .. } => Against::Obstacle(index),
-            Partner::Link { index, .. } => Against::Link(index),
+            MeetingPartner::Plane { surface, .. } => Against::Surface(surface),
+            MeetingPartner::Obstacle { index, .. } => Against::Obstacle(index),
+            MeetingPartner::Link { index, .. } => Against::Link(index),
         }
     }
 
     /// Nearest points of a placed solid and this partner; a link is placed at `pose`.
     fn closest(&self, solid: &Solid, world_from_solid: &Pose, pose: &Pose) -> Closest {
         match self {
-            Partner::Plane {
+            MeetingPartner::Plane {
                 point_m, normal, ..
             } => solid.lowest(world_from_solid, point_m, normal),
-            Partner::Obstacle { fixed, .. } => solid.closest(world_from_solid, &fixed.solid, pose),
-            Partner::Link { link, .. } => solid.closest(world_from_solid, &link.solid, pose),
+            MeetingPartner::Obstacle { fixed, .. } => {
+                solid.closest(world_from_solid, &fixed.solid, pose)
+            }
+            MeetingPartner::Link { link, .. } => solid.closest(world_from_solid, &link.solid, pose),
         }
         .expect(FINITE)
     }
@@ -197,29 +203,31 @@ impl Partner<'_> {
     /// the end of its arc.
     pub(super) fn closest_to(&self, solid: &Solid, at: &Pose, link_at: Option<&Pose>) -> Closest {
         let pose = match (self, link_at) {
-            (Partner::Link { .. }, Some(pose)) => *pose,
-            (Partner::Link { arc, .. }, None) => self.pose(arc.end_s),
-            (Partner::Plane { .. } | Partner::Obstacle { .. }, _) => self.pose(0.0),
+            (MeetingPartner::Link { .. }, Some(pose)) => *pose,
+            (MeetingPartner::Link { arc, .. }, None) => self.pose(arc.end_s),
+            (MeetingPartner::Plane { .. } | MeetingPartner::Obstacle { .. }, _) => self.pose(0.0),
         };
         self.closest(solid, at, &pose)
     }
 
     fn pose(&self, time_s: f64) -> Pose {
         match self {
-            Partner::Plane { .. } => Pose::identity(),
-            Partner::Obstacle { fixed, .. } => fixed.world_from_solid,
-            Partner::Link { link, arc, .. } => link.state(arc, time_s).world_from_body(),
+            MeetingPartner::Plane { .. } => Pose::identity(),
+            MeetingPartner::Obstacle { fixed, .. } => fixed.world_from_solid,
+            MeetingPartner::Link { link, arc, .. } => link.state(arc, time_s).world_from_body(),
         }
     }
 }
 
-impl Meeting<'_> {
+impl MeetingPair<'_> {
     /// Upper bound of the rate of the distance [m/s].
     pub(super) fn speed_bound_m_s(&self) -> f64 {
         let own = self.link.speed_bound_m_s(self.arc, self.from_s, self.to_s);
         own + match self.partner {
-            Partner::Plane { .. } | Partner::Obstacle { .. } => 0.0,
-            Partner::Link { link, arc, .. } => link.speed_bound_m_s(arc, self.from_s, self.to_s),
+            MeetingPartner::Plane { .. } | MeetingPartner::Obstacle { .. } => 0.0,
+            MeetingPartner::Link { link, arc, .. } => {
+                link.speed_bound_m_s(arc, self.from_s, self.to_s)
+            }
         }
     }
 
@@ -227,13 +235,13 @@ impl Meeting<'_> {
     pub(super) fn least_gap_m(&self, time_s: f64) -> f64 {
         let centre_m = self.link.state(self.arc, time_s).position_m;
         let between_m = match self.partner {
-            Partner::Plane {
+            MeetingPartner::Plane {
                 point_m, normal, ..
             } => normal.dot(&(centre_m - point_m)),
-            Partner::Obstacle { fixed, .. } => {
+            MeetingPartner::Obstacle { fixed, .. } => {
                 (centre_m - fixed.world_from_solid.translation.vector).norm() - fixed.radius_m
             }
-            Partner::Link { link, arc, .. } => {
+            MeetingPartner::Link { link, arc, .. } => {
                 (centre_m - link.state(arc, time_s).position_m).norm() - link.radius_m
             }
         };
@@ -270,7 +278,7 @@ impl Meeting<'_> {
         expected: &[usize],
         near_m: &Vector3<f64>,
     ) -> Option<f64> {
-        let Partner::Link { link, .. } = self.partner else {
+        let MeetingPartner::Link { link, .. } = self.partner else {
             return None;
         };
         let world_from_other = self.partner.pose(time_s);

@@ -8,7 +8,7 @@
 //! scan misses nothing deeper than the tolerance, on ways of up to 250 m inside of others.
 
 use super::expected;
-use super::meeting::{Meeting, Partner, World};
+use super::meeting::{MeetingPair, MeetingPartner, World};
 use crate::motion::{Observer, Penetration, Touch};
 use crate::physics::contact::Feature;
 
@@ -63,7 +63,7 @@ pub(super) fn begins_s(world: &World) -> Option<f64> {
 }
 
 struct OverlapScan<'w, 'm> {
-    meeting: &'m Meeting<'w>,
+    meeting: &'m MeetingPair<'w>,
     /// Features expected to touch the partner at a neighbouring event.
     expected: Vec<usize>,
     /// Expected features of the partner, if it is a body.
@@ -73,7 +73,7 @@ struct OverlapScan<'w, 'm> {
 }
 
 impl<'w, 'm> OverlapScan<'w, 'm> {
-    fn new(world: &World, meeting: &'m Meeting<'w>) -> Self {
+    fn new(world: &World, meeting: &'m MeetingPair<'w>) -> Self {
         let against = meeting.partner.against();
         let about = |link, against| {
             let mut features = world.expected_at(link, against, meeting.from_s);
@@ -84,17 +84,17 @@ impl<'w, 'm> OverlapScan<'w, 'm> {
             meeting,
             expected: about(meeting.index, against),
             expected_of_partner: match meeting.partner {
-                Partner::Link { index, .. } => {
+                MeetingPartner::Link { index, .. } => {
                     about(index, crate::motion::Against::Link(meeting.index))
                 }
-                Partner::Plane { .. } | Partner::Obstacle { .. } => Vec::new(),
+                MeetingPartner::Plane { .. } | MeetingPartner::Obstacle { .. } => Vec::new(),
             },
             tolerance_m: world.scene.tolerance_m,
         }
     }
 
     fn run(&self, touches: &mut [Touch], observer: &mut dyn Observer) -> Option<Penetration> {
-        let Meeting { from_s, to_s, .. } = *self.meeting;
+        let MeetingPair { from_s, to_s, .. } = *self.meeting;
         let speed_m_s = self.meeting.speed_bound_m_s().max(f64::MIN_POSITIVE);
         let mut deepest: Option<Penetration> = None;
         let mut threshold_m = self.tolerance_m - RESOLUTION_M;
@@ -125,7 +125,7 @@ impl<'w, 'm> OverlapScan<'w, 'm> {
 
     /// The last time before an overlap beyond the tolerance at which nothing touched.
     fn begins_s(&self) -> Option<f64> {
-        let Meeting { from_s, to_s, .. } = *self.meeting;
+        let MeetingPair { from_s, to_s, .. } = *self.meeting;
         let speed_m_s = self.meeting.speed_bound_m_s().max(f64::MIN_POSITIVE);
         let (mut time_s, mut free_s) = (from_s, None);
         loop {

@@ -2,7 +2,7 @@
 //! comes far more slowly than the others, that takes an impulse which draws it back, and no contact can exert one: it would
 //! come off, which is another motion.
 
-use super::law::Law;
+use super::law::CheckedLaw;
 use super::meeting::World;
 use crate::motion::{LinkIndex, Pull};
 
@@ -10,7 +10,7 @@ use crate::motion::{LinkIndex, Pull};
 pub(super) fn pulls(world: &World) -> Vec<Pull> {
     let events = world.estimate.events.iter();
     let pulls = events.filter_map(|event| {
-        let law = Law::new(world.scene, world.estimate, event.event)?;
+        let law = CheckedLaw::new(world.scene, world.estimate, event.event)?;
         let count = law.contacts.as_slice().len();
         if count == 1 {
             return None;

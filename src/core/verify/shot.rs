@@ -8,7 +8,7 @@
 use typed_index_collections::TiVec;
 
 use super::gap::Gaps;
-use super::law::Law;
+use super::law::CheckedLaw;
 use super::meeting::World;
 use super::series;
 use crate::motion::{Deviation, EventEstimate, LinkIndex, SingleShot};
@@ -80,7 +80,7 @@ impl FreeShot<'_> {
         for &link in &links {
             self.advance(link, event.time_s);
         }
-        let law = Law::new(self.world.scene, self.world.estimate, event.event);
+        let law = CheckedLaw::new(self.world.scene, self.world.estimate, event.event);
         let offset_s = law
             .as_ref()
             .and_then(|law| self.contact_offset_s(event, law));
@@ -106,7 +106,7 @@ impl FreeShot<'_> {
     }
 
     /// Changes the velocities of the bodies that collide; `None` where the impact is undetermined.
-    fn bounce(&mut self, law: &Law) -> Option<()> {
+    fn bounce(&mut self, law: &CheckedLaw) -> Option<()> {
         let state = |link: LinkIndex| Some(self.flights[link]?.state);
         let other = match law.other {
             None => None,
@@ -149,7 +149,7 @@ impl FreeShot<'_> {
     }
 
     /// Time of contact of the expected features less the flights' current time \[s\].
-    fn contact_offset_s(&self, event: &EventEstimate, law: &Law) -> Option<f64> {
+    fn contact_offset_s(&self, event: &EventEstimate, law: &CheckedLaw) -> Option<f64> {
         let pose = |link: LinkIndex, offset_s: f64| {
             let now_s = self.flights[link]?.time_s;
             let state = self.state_at(link, now_s + offset_s)?;

@@ -1,7 +1,7 @@
 //! Checks whether the expected part of a body touches first.
 
 use super::expected;
-use super::meeting::{Meeting, World};
+use super::meeting::{MeetingPair, World};
 use crate::motion::{Against, LinkIndex, Touch};
 
 /// Number of halvings of the interval in which the first touch lies.
@@ -44,7 +44,7 @@ fn touch(
 ) -> Option<Touch> {
     let link = &world.links[index];
     let arc = link.ending_at(time_s)?;
-    let meeting = Meeting {
+    let meeting = MeetingPair {
         index,
         link,
         arc,
@@ -85,7 +85,7 @@ fn touch(
 
 /// Time at which the shape first touched the partner in which it is at the end of the meeting
 /// \[s\].
-fn first_touch_s(meeting: &Meeting) -> f64 {
+fn first_touch_s(meeting: &MeetingPair) -> f64 {
     let speed_m_s = meeting.speed_bound_m_s().max(f64::MIN_POSITIVE);
     let gap_m = |time_s: f64| meeting.closest(time_s).gap_m;
     let mut inside_s = meeting.to_s;

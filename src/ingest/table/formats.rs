@@ -10,14 +10,14 @@ use std::collections::BTreeSet;
 
 use super::columns::{Meaning, meaning};
 use super::head;
-use super::layout::{Fault, Layout, QuaternionOrder, TimeColumns, fault};
+use super::layout::{QuaternionOrder, TableFault, TableLayout, TimeColumns, fault};
 use super::said::listed;
 use super::text::{Line, Lines, Separator, number};
 use super::units::{AngleUnit, TimeUnit, length_unit};
 use crate::motion::LengthUnit;
 
 /// A layout, and how many rows are before its own.
-type Found = Result<(Layout, usize), Fault>;
+type Found = Result<(TableLayout, usize), TableFault>;
 
 /// Formats with heads of their own; each answers `None` for a table that is another's.
 const FORMATS: [fn(&Lines) -> Option<Found>; 4] =
@@ -96,7 +96,11 @@ fn has_names(line: &Line) -> bool {
     known.count() >= 3
 }
 
-fn of_names(lines: &Lines, line: &Line, order: Option<QuaternionOrder>) -> Result<Layout, Fault> {
+fn of_names(
+    lines: &Lines,
+    line: &Line,
+    order: Option<QuaternionOrder>,
+) -> Result<TableLayout, TableFault> {
     let names = without_counts(&line.cells);
     let names = grouped(&with_units(&names, lines, line.number), lines);
     let mut layout = match head::layout(line.number, &names, order) {
@@ -143,7 +147,7 @@ fn without_counts(names: &[String]) -> Vec<String> {
 }
 
 /// A name of bodies is one where they come again: a number of its own for each row is none.
-fn several_bodies(layout: &mut Layout, lines: &Lines) {
+fn several_bodies(layout: &mut TableLayout, lines: &Lines) {
     let Some(column) = layout.body_name else {
         return;
     };

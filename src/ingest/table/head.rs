@@ -2,7 +2,7 @@
 
 use super::columns::{AngleKind, Column, Meaning, column};
 use super::layout::{
-    Angles, BodyColumns, Fault, Layout, Orientation, QuaternionOrder, TimeColumns, fault,
+    Angles, BodyColumns, Orientation, QuaternionOrder, TableFault, TableLayout, TimeColumns, fault,
     points_are_taken,
 };
 use super::said::listed;
@@ -42,7 +42,7 @@ pub(super) fn layout(
     line: usize,
     names: &[String],
     order: Option<QuaternionOrder>,
-) -> Result<Layout, Fault> {
+) -> Result<TableLayout, TableFault> {
     let named = NamedColumn {
         line,
         names,
@@ -81,7 +81,7 @@ pub(super) fn layout(
         is_seen || used.contains(&index)
     };
     let unread = (0..names.len()).filter(|index| !is_used(*index) && !is_skipped(&names[*index]));
-    Ok(Layout {
+    Ok(TableLayout {
         body_name,
         length: named.length(&bodies),
         unread: unread.map(|index| names[index].clone()).collect(),
@@ -95,7 +95,7 @@ pub(super) fn layout(
             .iter()
             .flat_map(|group| group.against.clone())
             .collect(),
-        ..Layout::plain("a table", time, bodies)
+        ..TableLayout::plain("a table", time, bodies)
     })
 }
 
@@ -105,7 +105,7 @@ fn is_skipped(name: &str) -> bool {
 }
 
 impl NamedColumn<'_> {
-    fn fault<T>(&self, message: impl Into<String>) -> Result<T, Fault> {
+    fn fault<T>(&self, message: impl Into<String>) -> Result<T, TableFault> {
         fault(self.line, message)
     }
 
@@ -121,7 +121,7 @@ impl NamedColumn<'_> {
     }
 
     /// The only column for something, if there is one.
-    fn one(&self, what: &str, found: Vec<usize>) -> Result<Option<usize>, Fault> {
+    fn one(&self, what: &str, found: Vec<usize>) -> Result<Option<usize>, TableFault> {
         match found[..] {
             [] => Ok(None),
             [index] => Ok(Some(index)),
@@ -137,7 +137,7 @@ impl NamedColumn<'_> {
     }
 
     /// The poses of the table: one, or those of several owners side by side.
-    fn groups(&self, order: Option<QuaternionOrder>) -> Result<Vec<Group>, Fault> {
+    fn groups(&self, order: Option<QuaternionOrder>) -> Result<Vec<Group>, TableFault> {
         let mut owners: Vec<&str> = Vec::new();
         let placed = self.columns.iter().flatten();
         for column in placed.filter(|column| is_of_pose(&column.meaning)) {
@@ -186,7 +186,7 @@ impl NamedColumn<'_> {
     }
 
     /// Bodies side by side, of which those without an orientation are points.
-    fn side_by_side(&self, mut groups: Vec<Group>) -> Result<Vec<Group>, Fault> {
+    fn side_by_side(&self, mut groups: Vec<Group>) -> Result<Vec<Group>, TableFault> {
         let mut names: Vec<String> = Vec::new();
         for group in &mut groups {
             if group.orientation.is_none() {
@@ -201,7 +201,7 @@ impl NamedColumn<'_> {
     }
 
     /// The only body of a table.
-    fn single(&self, mut group: Group, columns: &[usize]) -> Result<Vec<Group>, Fault> {
+    fn single(&self, mut group: Group, columns: &[usize]) -> Result<Vec<Group>, TableFault> {
         if group.position.is_none() {
             let of_turn = match group.orientation {
                 Some(Orientation::Quaternion(parts)) => {
@@ -247,7 +247,7 @@ impl NamedColumn<'_> {
         owner: &str,
         columns: &[usize],
         order: Option<QuaternionOrder>,
-    ) -> Result<Group, Fault> {
+    ) -> Result<Group, TableFault> {
         let mut group = Group {
             owner: owner.to_owned(),
             ..Group::default()
@@ -284,9 +284,13 @@ impl NamedColumn<'_> {
     }
 
     /// The columns of a position, and of a quaternion where a w stands beside letters.
-    fn letters(&self, letters: [Vec<usize>; 4], named: [Vec<usize>; 3]) -> Result<Letters, Fault> {
+    fn letters(
+        &self,
+        letters: [Vec<usize>; 4],
+        named: [Vec<usize>; 3],
+    ) -> Result<Letters, TableFault> {
         let axes = ["x", "y", "z"];
-        let one_each = |of: &[Vec<usize>; 3]| -> Result<[Option<usize>; 3], Fault> {
+        let one_each = |of: &[Vec<usize>; 3]| -> Result<[Option<usize>; 3], TableFault> {
             let mut found = [None; 3];
             for (axis, to) in found.iter_mut().enumerate() {
                 *to = self.one(axes[axis], of[axis].clone())?;
@@ -349,7 +353,7 @@ impl NamedColumn<'_> {
         find: &Find,
         order: Option<QuaternionOrder>,
         group: &mut Group,
-    ) -> Result<Option<Orientation>, Fault> {
+    ) -> Result<Option<Orientation>, TableFault> {
         let part_names = ["qx", "qy", "qz", "qw"];
         let mut quaternion = [None; 4];
         let mut imaginary = [None; 4];
@@ -434,7 +438,7 @@ impl NamedColumn<'_> {
         found: &[usize],
         order: Option<QuaternionOrder>,
         group: &mut Group,
-    ) -> Result<Option<Orientation>, Fault> {
+    ) -> Result<Option<Orientation>, TableFault> {
         let mut by_number: Vec<(usize, usize)> = Vec::new();
         for index in found {
             if let Some(Meaning::Numbered(number)) = self.meaning(*index) {
@@ -542,7 +546,7 @@ impl NamedColumn<'_> {
     }
 
     /// The columns of time, those of the highest rank that are one or a pair, otherwise frames; and the names of others.
-    fn time(&self) -> Result<(TimeColumns, Vec<String>), Fault> {
+    fn time(&self) -> Result<(TimeColumns, Vec<String>), TableFault> {
         let ranked = (0..self.names.len()).filter_map(|index| match self.meaning(index) {
             Some(Meaning::Time { rank, unit }) => Some((rank, index, unit)),
             _ => None,

@@ -6,14 +6,14 @@ use crate::motion::LengthUnit;
 
 /// An error at a line of the text, from 1; 0 for the whole.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Fault {
+pub(super) struct TableFault {
     pub(super) line: usize,
     pub(super) message: String,
 }
 
-/// A [`Fault`] as an error.
-pub(super) fn fault<T>(line: usize, message: impl Into<String>) -> Result<T, Fault> {
-    Err(Fault {
+/// A [`TableFault`] as an error.
+pub(super) fn fault<T>(line: usize, message: impl Into<String>) -> Result<T, TableFault> {
+    Err(TableFault {
         line,
         message: message.into(),
     })
@@ -153,7 +153,7 @@ pub(super) struct HeadMark {
 
 /// What a table's head says.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Layout {
+pub(super) struct TableLayout {
     /// What wrote it, in words.
     pub(super) kind: String,
     pub(super) time: TimeColumns,
@@ -186,7 +186,7 @@ pub(super) struct Layout {
     pub(super) marks: Vec<HeadMark>,
 }
 
-impl Layout {
+impl TableLayout {
     /// A layout of which nothing is known but where time and bodies are.
     pub(super) fn plain(
         kind: impl Into<String>,

@@ -18,14 +18,14 @@ pub(super) struct RowTime {
 
 /// What the order of a body's rows tells.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Order {
+pub(super) struct RowOrder {
     pub(super) notes: Vec<String>,
     pub(super) against: Vec<String>,
 }
 
 /// Looks at the times of a body's rows in the order of the file. `others` are columns that may serve better.
-pub(super) fn order(rows: &[RowTime], others: &[String]) -> Order {
-    let mut order = Order::default();
+pub(super) fn order(rows: &[RowTime], others: &[String]) -> RowOrder {
+    let mut order = RowOrder::default();
     let steps = || {
         rows.windows(2)
             .map(|pair| (pair[1].line, pair[1].ns.saturating_sub(pair[0].ns)))
@@ -74,7 +74,7 @@ pub(super) fn order(rows: &[RowTime], others: &[String]) -> Order {
     order
 }
 
-fn back(order: &mut Order, steps: impl Iterator<Item = (usize, i64)> + Clone, median_ns: f64) {
+fn back(order: &mut RowOrder, steps: impl Iterator<Item = (usize, i64)> + Clone, median_ns: f64) {
     let mut late = 0;
     let mut late_most_ns = 0.0_f64;
     let mut first: Option<(usize, f64)> = None;
@@ -112,7 +112,7 @@ fn back(order: &mut Order, steps: impl Iterator<Item = (usize, i64)> + Clone, me
 mod tests {
     use super::*;
 
-    fn of(times_ms: &[i64]) -> Order {
+    fn of(times_ms: &[i64]) -> RowOrder {
         let rows = times_ms.iter().enumerate();
         let rows = rows.map(|(index, ms)| RowTime {
             line: index + 2,
@@ -123,9 +123,9 @@ mod tests {
 
     #[test]
     fn rows_in_order_are_nothing_to_speak_of() {
-        assert_eq!(of(&[0, 10, 20, 25, 40]), Order::default());
-        assert_eq!(of(&[]), Order::default());
-        assert_eq!(of(&[5]), Order::default());
+        assert_eq!(of(&[0, 10, 20, 25, 40]), RowOrder::default());
+        assert_eq!(of(&[]), RowOrder::default());
+        assert_eq!(of(&[5]), RowOrder::default());
     }
 
     #[test]

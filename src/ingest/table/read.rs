@@ -6,7 +6,7 @@ use super::axes::{PRESETS, Preset};
 use super::columns::looks_turned;
 use super::formats;
 use super::head;
-use super::layout::{Fault, Layout, TimeColumns, fault, shown};
+use super::layout::{TableFault, TableLayout, TimeColumns, fault, shown};
 use super::missing::is_absent;
 use super::poses::{PoseTable, TableOptions};
 use super::said::Said;
@@ -34,7 +34,7 @@ pub fn read_table(
     })
 }
 
-fn read(text: &str, options: &TableOptions) -> Result<PoseTable, Fault> {
+fn read(text: &str, options: &TableOptions) -> Result<PoseTable, TableFault> {
     let lines = lines(text)?;
     let (layout, begin) = layout(&lines, options)?;
     let mut said = Said {
@@ -93,7 +93,7 @@ fn read(text: &str, options: &TableOptions) -> Result<PoseTable, Fault> {
     })
 }
 
-fn layout(lines: &Lines, options: &TableOptions) -> Result<(Layout, usize), Fault> {
+fn layout(lines: &Lines, options: &TableOptions) -> Result<(TableLayout, usize), TableFault> {
     let of_preset = options.preset.and_then(|preset| preset.columns);
     let has_names = || lines.head.iter().any(|line| line.cells.len() >= 4);
     let given = options
@@ -120,11 +120,11 @@ fn layout(lines: &Lines, options: &TableOptions) -> Result<(Layout, usize), Faul
     names.resize(count, "-".to_owned());
     let layout = head::layout(0, &names, options.quaternion)?;
     let kind = "a table with columns as given".to_owned();
-    Ok((Layout { kind, ..layout }, 0))
+    Ok((TableLayout { kind, ..layout }, 0))
 }
 
 /// The rows up to one that is of another section.
-fn section<'l>(layout: &Layout, rows: &'l [Line], said: &mut Said) -> &'l [Line] {
+fn section<'l>(layout: &TableLayout, rows: &'l [Line], said: &mut Said) -> &'l [Line] {
     let ends = |row: &Line| layout.is_section && number(&row.cells[0]).is_none();
     let Some(end) = rows.iter().position(ends) else {
         return rows;
@@ -139,10 +139,10 @@ fn section<'l>(layout: &Layout, rows: &'l [Line], said: &mut Said) -> &'l [Line]
 /// The rows without lines at the end that begin with a word where all others begin with a number or a time; such a
 /// line among the rows is refused.
 fn without_footer<'l>(
-    layout: &Layout,
+    layout: &TableLayout,
     rows: &'l [Line],
     said: &mut Said,
-) -> Result<&'l [Line], Fault> {
+) -> Result<&'l [Line], TableFault> {
     let is_first = layout.time.first() == Some(0);
     let is_word = |row: &Line| {
         let cell = row.cells[0].as_str();
@@ -174,7 +174,7 @@ fn without_footer<'l>(
 }
 
 /// Says where numbers have decimal commas.
-fn decimal_commas(layout: &Layout, rows: &[Line], lines: &Lines, said: &mut Said) {
+fn decimal_commas(layout: &TableLayout, rows: &[Line], lines: &Lines, said: &mut Said) {
     let Some(body) = layout.bodies.first() else {
         return;
     };

@@ -2,7 +2,7 @@
 //! for another.
 
 use super::axes::Preset;
-use super::layout::{BodyColumns, Layout, Orientation};
+use super::layout::{BodyColumns, Orientation, TableLayout};
 use super::poses::TableOptions;
 use super::turn::Turn;
 use super::units::{AngleUnit, length_name};
@@ -31,7 +31,7 @@ impl Said {
 
     /// The columns that are not read; of those that look like an orientation, none may be left aside where
     /// points are taken.
-    pub(super) fn unread(&mut self, layout: &Layout, looks_turned: impl Fn(&str) -> bool) {
+    pub(super) fn unread(&mut self, layout: &TableLayout, looks_turned: impl Fn(&str) -> bool) {
         if layout.unread.is_empty() {
             return;
         }
@@ -65,7 +65,7 @@ impl Said {
     }
 
     /// In which order the numbers of quaternions are.
-    pub(super) fn order(&mut self, layout: &Layout) {
+    pub(super) fn order(&mut self, layout: &TableLayout) {
         let named = layout.bodies.iter().filter(|_| layout.is_order_named);
         if let Some(order) = { named }.find_map(|body| body.orientation.order()) {
             self.note(format!(
@@ -78,7 +78,7 @@ impl Said {
     pub(super) fn length(
         &mut self,
         unit: LengthUnit,
-        layout: &Layout,
+        layout: &TableLayout,
         options: &TableOptions,
         preset: &Preset,
     ) {
@@ -100,7 +100,7 @@ impl Said {
     }
 
     /// Which axis is up.
-    pub(super) fn axes(&mut self, layout: &Layout, options: &TableOptions, preset: &Preset) {
+    pub(super) fn axes(&mut self, layout: &TableLayout, options: &TableOptions, preset: &Preset) {
         if options.preset.is_some() {
             return self.note(format!(
                 "axes are those of --from {}: {}",

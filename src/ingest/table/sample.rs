@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 
 use super::axes::Preset;
-use super::layout::{Angles, BodyColumns, Fault, Layout, Orientation, SeenColumn, fault, shown};
+use super::layout::{
+    Angles, BodyColumns, Orientation, SeenColumn, TableFault, TableLayout, fault, shown,
+};
 use super::missing::{Unseen, absence, is_sentinel, stray_zeros};
 use super::order::{RowTime, order};
 use super::poses::{BodyPoses, TableOptions};
@@ -57,12 +59,12 @@ struct SampledRows {
 
 /// The samples of all bodies. Fails where a cell is no number, and where no row has a pose.
 pub(super) fn bodies(
-    layout: &Layout,
+    layout: &TableLayout,
     rows: &[Line],
     reader: &Reader,
     is_open: bool,
     lost: &mut Vec<String>,
-) -> Result<Vec<BodyPoses>, Fault> {
+) -> Result<Vec<BodyPoses>, TableFault> {
     let mut all: Vec<SampledRows> = Vec::new();
     let mut of_name: BTreeMap<Option<String>, usize> = BTreeMap::new();
     for (index, row) in rows.iter().enumerate() {
@@ -176,7 +178,12 @@ impl SampledRows {
 
 impl Reader {
     /// What a row holds of a body.
-    fn read(&self, columns: &BodyColumns, row: &Line, place: usize) -> Result<CellReading, Fault> {
+    fn read(
+        &self,
+        columns: &BodyColumns,
+        row: &Line,
+        place: usize,
+    ) -> Result<CellReading, TableFault> {
         if let Some(why) = columns.seen.iter().find_map(|column| unseen(*column, row)) {
             return Ok(CellReading::Unseen(why));
         }
@@ -226,7 +233,7 @@ impl Reader {
         numbers: [f64; 3],
         angles: &Angles,
         line: usize,
-    ) -> Result<[f64; 4], Fault> {
+    ) -> Result<[f64; 4], TableFault> {
         let Some(turn) = self.turn.or(angles.turn) else {
             return fault(
                 line,
@@ -249,7 +256,7 @@ impl Reader {
         &self,
         row: &Line,
         columns: &[usize; N],
-    ) -> Result<Result<[f64; N], Unseen>, Fault> {
+    ) -> Result<Result<[f64; N], Unseen>, TableFault> {
         let mut found = [0.0; N];
         let most = columns.iter().max().map_or(0, |column| column + 1);
         let mut absent = None;
@@ -302,7 +309,7 @@ fn unseen(column: SeenColumn, row: &Line) -> Option<Unseen> {
 
 /// The unit of angles that is said, stated, or that their values support; says which, and why, with what they mean.
 pub(super) fn angle_unit(
-    layout: &Layout,
+    layout: &TableLayout,
     rows: &[Line],
     options: &TableOptions,
     preset: &Preset,

@@ -1,6 +1,6 @@
 //! Lines of text become cells.
 
-use super::layout::{Fault, fault};
+use super::layout::{TableFault, fault};
 use super::missing::is_absent;
 use super::stamp::is_text_time;
 
@@ -131,7 +131,7 @@ fn is_empty_row(cells: &[String], count: usize) -> bool {
 
 /// The lines of a text, by the separator with which a row of numbers comes first, and of those the one with
 /// the most numbers.
-pub(super) fn lines(text: &str) -> Result<Lines, Fault> {
+pub(super) fn lines(text: &str) -> Result<Lines, TableFault> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let of_old_macs;
     let text = if text.contains('\r') && !text.contains('\n') {

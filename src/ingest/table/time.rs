@@ -1,6 +1,6 @@
 //! Times of rows as integer nanoseconds.
 
-use super::layout::{Fault, HeadMark, Layout, TimeColumns, fault, shown};
+use super::layout::{HeadMark, TableFault, TableLayout, TimeColumns, fault, shown};
 use super::missing::is_absent;
 use super::said::{Said, listed};
 use super::stamp::{nanoseconds, text_time};
@@ -80,12 +80,12 @@ pub(super) enum Clock {
 
 /// The clock that the layout, the options and the rows give; says what it takes for granted.
 pub(super) fn clock(
-    layout: &Layout,
+    layout: &TableLayout,
     rows: &[Line],
     unit: Option<TimeUnit>,
     rate_hz: Option<f64>,
     said: &mut Said,
-) -> Result<Clock, Fault> {
+) -> Result<Clock, TableFault> {
     let rate_or = |what: &str, line: usize| match rate_hz.or(layout.rate_hz) {
         Some(rate_hz) => Ok(rate_hz),
         None => fault(
@@ -219,7 +219,7 @@ fn guessed(
     line: usize,
     others: &[String],
     said: &mut Said,
-) -> Result<(TimeUnit, i64), Fault> {
+) -> Result<(TimeUnit, i64), TableFault> {
     let Some(interval) = median_interval(times) else {
         let other = match others {
             [] => String::new(),
@@ -329,7 +329,7 @@ impl Clock {
     }
 
     /// The time of a row \[ns\], which is the `index`-th of its body. Fails where it says none.
-    pub(super) fn of(self, row: &Line, index: usize) -> Result<i64, Fault> {
+    pub(super) fn of(self, row: &Line, index: usize) -> Result<i64, TableFault> {
         let cell = |column: usize| row.cells.get(column).map_or("", String::as_str);
         let (text, ns) = match self {
             Self::Column { column, power } => (cell(column), nanoseconds(cell(column), power)),

@@ -6,7 +6,9 @@ use nalgebra::Vector3;
 
 use super::super::svg::{line, loops, px, shortened, text, width_em};
 use super::items::{Fog, Item, Look, covered, is_event, reach, seen, standing};
-use super::layout::{FONT_PX, Frame, Scale, TOLERANCE_PX, fitted, hatches, scale_length_m, spot};
+use super::layout::{
+    FONT_PX, LayoutFrame, Scale, TOLERANCE_PX, fitted, hatches, scale_length_m, spot,
+};
 use super::lit::{Strobe, step_words};
 use super::plan::{Flash, Shows};
 use crate::report::units::seconds;
@@ -26,7 +28,7 @@ pub(super) struct Picture {
 
 impl Picture {
     /// Of a strobe, through a camera.
-    pub(super) fn new(strobe: &Strobe, camera: &Camera, frame: Frame) -> Self {
+    pub(super) fn new(strobe: &Strobe, camera: &Camera, frame: LayoutFrame) -> Self {
         let seen = |flash: &Flash| seen(strobe, camera, flash);
         let ghosts: Vec<Item> = strobe.ghosts.iter().map(seen).collect();
         let bodies: Vec<Item> = strobe.flashes.iter().map(seen).collect();
@@ -247,7 +249,7 @@ impl Picture {
     }
 
     /// The axes of the world, a scale, and what else explains a picture that stands alone.
-    fn foot(&mut self, strobe: &Strobe, camera: &Camera, scale: &Scale, frame: Frame) {
+    fn foot(&mut self, strobe: &Strobe, camera: &Camera, scale: &Scale, frame: LayoutFrame) {
         let [width, height] = self.size_px;
         let bottom = height - 16.0 - if frame.is_alone { 22.0 } else { 0.0 };
         let origin = [38.0, bottom - 8.0];

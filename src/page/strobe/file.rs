@@ -2,14 +2,14 @@
 
 use super::super::svg::{escaped, px};
 use super::draw::Picture;
-use super::layout::{Frame, Size};
+use super::layout::{LayoutFrame, Size};
 use super::lit::Strobe;
 use crate::visual::{Camera, View};
 
 impl Strobe<'_> {
     /// A picture as an element of a page that has the style.
     pub fn element(&self, view: View, size: Size) -> String {
-        let frame = Frame {
+        let frame = LayoutFrame {
             size,
             is_alone: false,
         };
@@ -19,7 +19,7 @@ impl Strobe<'_> {
 
     /// A picture as a file of its own.
     pub fn file(&self, view: View) -> String {
-        let frame = Frame {
+        let frame = LayoutFrame {
             size: Size::Fitted { width_px: 760.0 },
             is_alone: true,
         };
@@ -35,7 +35,7 @@ impl Strobe<'_> {
         text
     }
 
-    fn picture(&self, view: View, frame: Frame) -> Picture {
+    fn picture(&self, view: View, frame: LayoutFrame) -> Picture {
         let camera = Camera::new(view, &self.scene.gravity_m_s2, &self.points_m);
         Picture::new(self, &camera, frame)
     }

@@ -35,7 +35,7 @@ pub enum Size {
 
 /// What a picture is to be.
 #[derive(Clone, Copy)]
-pub(super) struct Frame {
+pub(super) struct LayoutFrame {
     pub size: Size,
     /// Whether it has to explain itself.
     pub is_alone: bool,
@@ -72,7 +72,7 @@ impl Scale {
 }
 
 /// How large what is to be seen is drawn, and how large the picture is.
-pub(super) fn fitted([across_m, high_m]: [[f64; 2]; 2], frame: Frame) -> (Scale, [f64; 2]) {
+pub(super) fn fitted([across_m, high_m]: [[f64; 2]; 2], frame: LayoutFrame) -> (Scale, [f64; 2]) {
     let [width_m, height_m] = [across_m, high_m].map(|[from, to]| (to - from).max(1e-4));
     let foot_px = FOOT_PX + if frame.is_alone { 22.0 } else { 0.0 };
     let (width_px, [least_px, most_px]) = match frame.size {

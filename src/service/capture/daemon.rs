@@ -15,9 +15,9 @@ use tokio::sync::watch;
 use super::director::Director;
 use super::estimator::finals;
 use super::event::{CaptureEvent, Status};
-use super::gate::Places;
+use super::gate::GatePlaces;
 use super::http::{self, Pages};
-use super::listen::{Listen, Opened};
+use super::listen::{Listen, OpenedStream};
 use super::metrics::Metrics;
 use super::notice::{self, Notice, Shown, Speaker};
 use super::notify::tell;
@@ -261,7 +261,7 @@ impl Running {
             opened,
         };
         threads.push(spawn("listen", move || listen.run())?);
-        let Opened {
+        let OpenedStream {
             shortcomings,
             token,
         } = is_open.recv().context("the listener is gone")??;
@@ -285,7 +285,7 @@ impl Running {
         let (shown_sender, shown) = watch::channel(None);
         let (order_sender, orders) = mpsc::sync_channel(ORDERS);
         let doors = Doors {
-            places: Places::of_process(),
+            places: GatePlaces::of_process(),
             origins: Origins::new(&settings.origins, &settings.hosts),
             token,
             scene: &scene,
@@ -383,7 +383,7 @@ struct Doors<'a> {
     topics: &'a [StreamTopic],
     metrics: &'a Arc<Metrics>,
     stop: &'a Arc<AtomicBool>,
-    places: Places,
+    places: GatePlaces,
     origins: Origins,
     token: Token,
 }
@@ -462,7 +462,7 @@ fn spawn_finals(
     metrics: &Arc<Metrics>,
     enough: &'static AtomicBool,
     threads: &mut Vec<JoinHandle<()>>,
-) -> anyhow::Result<SyncSender<super::estimator::Finished>> {
+) -> anyhow::Result<SyncSender<super::estimator::FinishedTake>> {
     let (sender, queue) = mpsc::sync_channel(FINALS);
     let (speaker, metrics) = (speaker.clone(), Arc::clone(metrics));
     threads.push(spawn("finals", move || {

@@ -18,7 +18,7 @@ use crate::motion::Scene;
 /// An order, as the page sends it.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "command", rename_all = "snake_case", deny_unknown_fields)]
-pub(super) enum Order {
+pub(super) enum DirectorOrder {
     /// Begin a take.
     Start,
     /// End the take and estimate it.
@@ -81,16 +81,16 @@ impl Director {
     }
 
     /// Hands an order on. Fails, in words, where it cannot be obeyed.
-    pub(super) fn order(&self, order: &Order) -> Result<(), String> {
+    pub(super) fn order(&self, order: &DirectorOrder) -> Result<(), String> {
         let runs = self.status.borrow().take.is_some();
-        if runs == matches!(order, Order::Start) {
+        if runs == matches!(order, DirectorOrder::Start) {
             let why = if runs { "a take runs" } else { "no take runs" };
             return Err(why.to_owned());
         }
         match order {
-            Order::Start => self.command(Command::Start),
-            Order::Discard => self.command(Command::Discard),
-            Order::Stop { name, note, rating } => {
+            DirectorOrder::Start => self.command(Command::Start),
+            DirectorOrder::Discard => self.command(Command::Discard),
+            DirectorOrder::Stop { name, note, rating } => {
                 if *rating > 5 {
                     return Err(format!("the rating is {rating}, expected 1 to 5"));
                 }
@@ -98,7 +98,7 @@ impl Director {
                 self.send(Arrived::Label(Box::new(label)))?;
                 self.command(Command::Stop)
             }
-            Order::Mark { event } => {
+            DirectorOrder::Mark { event } => {
                 if !event.is_empty() && !self.events.contains(event) {
                     let known = self.events.join(", ");
                     return Err(format!(

@@ -24,7 +24,7 @@ use crate::service::working::Working;
 use crate::write::live::EstimateOccasion;
 
 /// A take whose file is complete.
-pub(super) struct Finished {
+pub(super) struct FinishedTake {
     /// Number of the take.
     pub(super) take: u64,
     /// The file.
@@ -34,13 +34,13 @@ pub(super) struct Finished {
 /// Estimates takes that are over, one after the other, from their files: as `enact replay` does,
 /// so that the bytes are the same. Once there is `enough` of that, the rest is left to `enact process`.
 pub(super) fn finals(
-    queue: &Receiver<Finished>,
+    queue: &Receiver<FinishedTake>,
     publisher: &Speaker,
     shown: &watch::Sender<Shown>,
     metrics: &Metrics,
     enough: &'static AtomicBool,
 ) {
-    while let Ok(Finished { take, path }) = queue.recv() {
+    while let Ok(FinishedTake { take, path }) = queue.recv() {
         metrics.finals_waiting.take();
         let begun = Instant::now();
         match guarded(|| estimate_file(&path, Deadline::begin(None).or_told(enough))) {

@@ -4,7 +4,7 @@
 //! only so many may wait, and where one more comes the one that has waited longest is closed: a
 //! thousand peers that say nothing do not keep out the next one that speaks. Together with the
 //! limits on those who have spoken this bounds the descriptors that others can make the daemon hold;
-//! the rest of the process's limit stays for trackers and takes ([`Places`]). Where nothing is left of it
+//! the rest of the process's limit stays for trackers and takes ([`GatePlaces`]). Where nothing is left of it
 //! all the same, a port may keep one descriptor to go on with ([`Gate::with_spare`]).
 
 use std::collections::VecDeque;
@@ -31,7 +31,7 @@ const PAUSE: Duration = Duration::from_millis(50);
 
 /// How many connections there may be at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Places {
+pub(super) struct GatePlaces {
     /// Peers of one port that have not said yet what they want.
     pub(super) waiting: usize,
     /// Viewers.
@@ -40,7 +40,7 @@ pub(super) struct Places {
     pub(super) answered: usize,
 }
 
-impl Places {
+impl GatePlaces {
     /// As many as are wanted, or as the process may have descriptors for after the reserve. Raises
     /// the process's limit as far as it may.
     pub(super) fn of_process() -> Self {
@@ -234,7 +234,7 @@ mod tests {
             (1024, 128, 32),
             (usize::MAX, 128, 32),
         ] {
-            let places = Places::of_limit(limit);
+            let places = GatePlaces::of_limit(limit);
             assert_eq!((places.waiting, places.viewers), (waiting, viewers));
             let all = 2 * places.waiting + places.viewers + places.answered;
             assert!(limit <= RESERVED || all + RESERVED <= limit, "{places:?}");

@@ -25,7 +25,7 @@ const DESCRIPTORS: usize = 4;
 
 /// What may be wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Part {
+pub(super) enum HealthPart {
     /// The take that was last begun could not be written.
     Take,
     /// The thread that journals.
@@ -38,7 +38,7 @@ pub(super) enum Part {
     Services,
 }
 
-impl Part {
+impl HealthPart {
     /// The parts that say at intervals how they are.
     const BEATING: [(Self, &str); 3] = [
         (
@@ -53,13 +53,13 @@ impl Part {
 /// What is wrong.
 #[derive(Debug, Default)]
 pub(super) struct Health {
-    parts: Mutex<BTreeMap<Part, (Instant, Option<String>)>>,
+    parts: Mutex<BTreeMap<HealthPart, (Instant, Option<String>)>>,
     free_bytes: AtomicU64,
 }
 
 impl Health {
     /// A part says what is wrong with it, or that nothing is.
-    pub(super) fn say(&self, part: Part, trouble: Option<String>) {
+    pub(super) fn say(&self, part: HealthPart, trouble: Option<String>) {
         let mut parts = self
             .parts
             .lock()
@@ -74,7 +74,7 @@ impl Health {
             .lock()
             .unwrap_or_else(|poisoned| poisoned.into_inner());
         let said = parts.values().filter_map(|(_, trouble)| trouble.clone());
-        let silent = Part::BEATING.iter().filter(|(part, _)| {
+        let silent = HealthPart::BEATING.iter().filter(|(part, _)| {
             let heard = parts.get(part).map(|(at, _)| *at);
             heard.is_some_and(|at| now.saturating_duration_since(at) > OLD)
         });
@@ -89,10 +89,10 @@ impl Health {
                 .parts
                 .lock()
                 .unwrap_or_else(|poisoned| poisoned.into_inner());
-            parts.get(&Part::Folder)?.1.as_ref()?;
+            parts.get(&HealthPart::Folder)?.1.as_ref()?;
         }
         let trouble = self.look_at(folder).err();
-        self.say(Part::Folder, trouble.clone());
+        self.say(HealthPart::Folder, trouble.clone());
         trouble
     }
 
@@ -104,7 +104,7 @@ impl Health {
     /// Looks at the folder at intervals until it is told to stop.
     pub(super) fn watch(&self, folder: &Path, stop: &AtomicBool) {
         while !stop.load(Ordering::Relaxed) {
-            self.say(Part::Folder, self.look_at(folder).err());
+            self.say(HealthPart::Folder, self.look_at(folder).err());
             thread::sleep(LOOK);
         }
     }
@@ -137,10 +137,10 @@ mod tests {
     fn what_is_wrong_is_said_until_it_is_not() {
         let health = Health::default();
         assert!(health.troubles(Instant::now()).is_empty());
-        health.say(Part::Take, Some("take 3: broken".to_owned()));
-        health.say(Part::Folder, None);
+        health.say(HealthPart::Take, Some("take 3: broken".to_owned()));
+        health.say(HealthPart::Folder, None);
         assert_eq!(health.troubles(Instant::now()), ["take 3: broken"]);
-        health.say(Part::Take, None);
+        health.say(HealthPart::Take, None);
         assert!(health.troubles(Instant::now()).is_empty());
         // The take need not say anything for ever; the folder must.
         let later = Instant::now() + 2 * OLD;

@@ -13,7 +13,7 @@
 //! with 400, a name that is none of the daemon's with 421 ([`Origins::is_known`]), more than 8 KiB of head or of
 //! body with 431 or 413, an order without the daemon's token, or from a page that is not this server's own, with 403
 //! ([`Director::knows`], [`Origins::may_direct`]). A peer has two seconds for its request; where
-//! more than there are [`Places`] have not sent theirs, the oldest is closed.
+//! more than there are [`GatePlaces`] have not sent theirs, the oldest is closed.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -25,9 +25,9 @@ use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
 
-use super::director::{Director, Order};
+use super::director::{Director, DirectorOrder};
 use super::event::Status;
-use super::gate::{Gate, Places, Waiting};
+use super::gate::{Gate, GatePlaces, Waiting};
 use super::metrics::Metrics;
 use super::origin::Origins;
 
@@ -60,7 +60,7 @@ pub(super) struct Pages {
 /// Listens on an address and answers in tasks of its own; returns the bound address.
 pub(super) async fn serve(
     address: SocketAddr,
-    places: Places,
+    places: GatePlaces,
     pages: Pages,
 ) -> std::io::Result<SocketAddr> {
     let listener = TcpListener::bind(address).await?;
@@ -248,7 +248,7 @@ impl Pages {
             return Some(refusal("413 Content Too Large"));
         }
         let body = body.get(..length)?;
-        let order: Order = match serde_json::from_slice(body) {
+        let order: DirectorOrder = match serde_json::from_slice(body) {
             Ok(order) => order,
             Err(error) => {
                 return Some(Reply::text(

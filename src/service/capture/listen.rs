@@ -7,7 +7,7 @@ use std::sync::mpsc::{Sender, SyncSender};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::health::Part;
+use super::health::HealthPart;
 use super::metrics::Metrics;
 use super::seldom::Seldom;
 use crate::ingest::live::{Arrival, Arrived, Listening};
@@ -37,11 +37,11 @@ pub(super) struct Listen {
     /// The scene file, for those who find the daemon's lock taken.
     pub(super) scene_file: PathBuf,
     /// Receives once whether the services are open.
-    pub(super) opened: Sender<Result<Opened, LiveError>>,
+    pub(super) opened: Sender<Result<OpenedStream, LiveError>>,
 }
 
 /// The services are open.
-pub(super) struct Opened {
+pub(super) struct OpenedStream {
     /// What of them is less than is wanted.
     pub(super) shortcomings: Vec<String>,
     /// What who directs must know.
@@ -61,7 +61,7 @@ impl Listen {
         // Where sending fails the daemon has given up already.
         let (_node, _lock, listening) = match open() {
             Ok((node, lock, listening)) => {
-                let opened = Opened {
+                let opened = OpenedStream {
                     shortcomings: listening.shortcomings().to_vec(),
                     token: lock.token(),
                 };
@@ -87,7 +87,9 @@ impl Listen {
                 trouble = Some(error.to_string());
             }
             if beaten.is_none_or(|at| now.duration_since(at) > BEAT) {
-                self.metrics.health.say(Part::Listening, trouble.take());
+                self.metrics
+                    .health
+                    .say(HealthPart::Listening, trouble.take());
                 beaten = Some(now);
             }
             if !batch.is_empty() {

@@ -7,7 +7,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TrySendErr
 use std::time::{Duration, Instant};
 
 use super::event::CaptureEvent;
-use super::health::Part;
+use super::health::HealthPart;
 use super::metrics::Metrics;
 use super::notice::Notice;
 use super::seldom::Seldom;
@@ -75,7 +75,7 @@ impl Publisher {
                          them: restart the daemon"
                     )
                 });
-                self.metrics.health.say(Part::Services, trouble);
+                self.metrics.health.say(HealthPart::Services, trouble);
                 buried = Instant::now();
             }
         }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use super::event::CaptureEvent;
 use super::notice::Notice;
-use super::take::{Take, now_ns};
+use super::take::{OpenTake, now_ns};
 use crate::ingest::live::{Arrival, Arrived, Command, ControlRecord};
 use crate::motion::{Scene, Stamp};
 use intervals::STATUS;
@@ -156,7 +156,7 @@ impl Recorder {
         let known = state.known_until(now);
         let take = state.take.as_ref();
         let mut troubles = self.metrics.health.troubles(now);
-        troubles.extend(take.and_then(Take::lost));
+        troubles.extend(take.and_then(OpenTake::lost));
         CaptureEvent::Asked {
             take: take.map(|take| take.number),
             messages: take.map_or(0, |take| take.journal.messages()),

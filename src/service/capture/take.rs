@@ -27,12 +27,12 @@ pub(in crate::service) fn now_ns() -> i64 {
 
 /// The clock of a take: the system clock at its beginning, continued by a monotonic clock.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Anchor {
+pub(super) struct TakeAnchor {
     wall_ns: i64,
     at: Instant,
 }
 
-impl Anchor {
+impl TakeAnchor {
     pub(super) fn now() -> Self {
         Self {
             wall_ns: now_ns(),
@@ -52,10 +52,10 @@ impl Anchor {
 }
 
 /// A running take.
-pub(super) struct Take {
+pub(super) struct OpenTake {
     pub(super) number: u64,
     pub(super) journal: Journal,
-    anchor: Anchor,
+    anchor: TakeAnchor,
     topics: Vec<StreamTopic>,
     streams: Vec<Stream>,
     marks: MarkCounts,
@@ -72,7 +72,7 @@ pub(super) struct Take {
     latest: Instant,
 }
 
-impl Take {
+impl OpenTake {
     /// Begins a take with its journal at a path; `before` is the last sample of each stream that
     /// came before it.
     pub(super) fn begin(
@@ -85,7 +85,7 @@ impl Take {
         before: &dyn Fn(usize) -> Option<Before>,
     ) -> Result<Self, WriteError> {
         let names: Vec<String> = topics.iter().map(|topic| topic.topic.clone()).collect();
-        let anchor = Anchor::now();
+        let anchor = TakeAnchor::now();
         let stream = |(number, topic): (usize, &StreamTopic)| {
             Stream::after(before(number), settings.stamps[topic.track])
         };

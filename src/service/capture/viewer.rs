@@ -30,7 +30,7 @@ use tokio::sync::{Semaphore, mpsc, watch};
 use typed_index_collections::TiVec;
 
 use super::event::Status;
-use super::gate::{Gate, Places};
+use super::gate::{Gate, GatePlaces};
 use super::metrics::Metrics;
 use super::notice::Shown;
 use super::origin::Origins;
@@ -140,7 +140,7 @@ struct ViewerChannels {
 pub(super) async fn serve(
     address: SocketAddr,
     (scene, streams): (&Scene, &[StreamTopic]),
-    (places, origins): (Places, Origins),
+    (places, origins): (GatePlaces, Origins),
     (estimates, status): (watch::Receiver<Shown>, watch::Receiver<Status>),
     metrics: Arc<Metrics>,
 ) -> std::io::Result<(Feed, SocketAddr)> {

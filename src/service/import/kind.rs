@@ -10,7 +10,7 @@ use crate::ingest::table::{TableText, table_text};
 const LINE_BYTES: usize = 1 << 20;
 
 /// A file that can be read.
-pub(super) enum Kind {
+pub(super) enum ImportKind {
     /// A text: a table.
     Table(TableText),
     /// MCAP.
@@ -73,10 +73,10 @@ const OTHERS: [Other; 9] = [
 ];
 
 /// The kind of a file. Fails for what is neither, and says how to get there.
-pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
+pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<ImportKind> {
     let shown = path.display();
     if bytes.starts_with(b"\x89MCAP") {
-        return Ok(Kind::Recording(bytes));
+        return Ok(ImportKind::Recording(bytes));
     }
     let rosbags = |what: &str| {
         format!(
@@ -126,7 +126,7 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<Kind> {
         );
     }
     match table_text(bytes) {
-        Some(text) => Ok(Kind::Table(text)),
+        Some(text) => Ok(ImportKind::Table(text)),
         None => bail!(
             "{shown}: is neither text nor MCAP, expected one of them: a table of poses as CSV, or a \
              recording"

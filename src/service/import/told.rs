@@ -38,7 +38,7 @@ const UNITS: [LengthUnit; 5] = [
 
 /// What the path of a body tells.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Told {
+pub(super) struct ToldImport {
     /// Its free flights, by index of sample.
     pub(super) flights: Vec<Fall>,
     /// Rate by the median interval.
@@ -49,7 +49,7 @@ pub(super) struct Told {
     pub(super) notes: Vec<String>,
 }
 
-impl Told {
+impl ToldImport {
     /// Adds the sentences of another.
     pub(super) fn add(&mut self, other: Self) {
         self.against.extend(other.against);
@@ -95,8 +95,8 @@ impl Gravity {
 }
 
 /// What the samples of a body tell, which are in order of time.
-pub(super) fn told(named: &Named, samples: &[&PoseSample], scene: Option<&Scene>) -> Told {
-    let mut told = Told::default();
+pub(super) fn told(named: &Named, samples: &[&PoseSample], scene: Option<&Scene>) -> ToldImport {
+    let mut told = ToldImport::default();
     let name = &named.name;
     let of_name = |lines: &[String]| -> Vec<String> {
         lines.iter().map(|line| format!("{name}: {line}")).collect()
@@ -173,7 +173,7 @@ struct ToldFlight<'a> {
 }
 
 /// What a flight tells of axes and units.
-fn fall(named: &Named, flight: &ToldFlight, gravity: &Gravity, told: &mut Told) {
+fn fall(named: &Named, flight: &ToldFlight, gravity: &Gravity, told: &mut ToldImport) {
     let (name, preset) = (&named.name, named.table.preset);
     let (fall, unit) = (flight.fall, flight.unit);
     let down = fall.acceleration.normalize();
@@ -233,7 +233,7 @@ fn fall(named: &Named, flight: &ToldFlight, gravity: &Gravity, told: &mut Told) 
 }
 
 /// What poses tell that are the very one before.
-fn held(name: &str, samples: &[&PoseSample], told: &mut Told) {
+fn held(name: &str, samples: &[&PoseSample], told: &mut ToldImport) {
     let held = held_poses(samples);
     if held.count == 0 {
         return;
@@ -259,7 +259,7 @@ fn held(name: &str, samples: &[&PoseSample], told: &mut Told) {
 }
 
 /// What the median speed tells: no hand and no throw goes on so fast.
-fn speed(named: &Named, times_s: &[f64], points: &[Vector3<f64>], told: &mut Told) {
+fn speed(named: &Named, times_s: &[f64], points: &[Vector3<f64>], told: &mut ToldImport) {
     let steps = times_s.windows(2).zip(points.windows(2));
     let mut speeds_m_s: Vec<f64> = steps
         .map(|(times, places)| (places[1] - places[0]).norm() / (times[1] - times[0]))
@@ -280,7 +280,7 @@ fn speed(named: &Named, times_s: &[f64], points: &[Vector3<f64>], told: &mut Tol
 }
 
 /// What lengths alone tell.
-fn size(named: &Named, points: &[Vector3<f64>], told: &mut Told) {
+fn size(named: &Named, points: &[Vector3<f64>], told: &mut ToldImport) {
     let Some(first) = points.first() else {
         return;
     };
@@ -301,7 +301,7 @@ fn size(named: &Named, points: &[Vector3<f64>], told: &mut Told) {
     }
 }
 
-fn rate(samples: &[&PoseSample], told: &mut Told) {
+fn rate(samples: &[&PoseSample], told: &mut ToldImport) {
     let intervals = samples.windows(2);
     let mut intervals_s: Vec<f64> = intervals
         .map(|pair| pair[1].stamp.seconds_since(pair[0].stamp))
@@ -312,7 +312,7 @@ fn rate(samples: &[&PoseSample], told: &mut Told) {
     told.rate_hz = median_s.map(|of| 1.0 / of);
 }
 
-fn norms(name: &str, samples: &[&PoseSample], told: &mut Told) {
+fn norms(name: &str, samples: &[&PoseSample], told: &mut ToldImport) {
     let norms = samples.iter().map(|sample| {
         let parts = sample.quaternion_xyzw.iter().map(|part| part * part);
         parts.sum::<f64>().sqrt()

@@ -33,7 +33,7 @@ impl MarkEdits {
 
 /// A mark, and the message that it is in the recording.
 #[derive(Clone, Debug)]
-pub(super) struct Placed {
+pub(super) struct PlacedMark {
     pub(super) mark: Mark,
     /// Place of its message among all, from 0; `None` for one that is added.
     place: Option<u64>,
@@ -43,7 +43,7 @@ pub(super) struct Placed {
 /// The marks after the changes.
 pub(super) struct Edited {
     /// In order of time.
-    pub(super) marks: Vec<Placed>,
+    pub(super) marks: Vec<PlacedMark>,
     /// Places of the messages that are no longer among them.
     pub(super) without: BTreeSet<u64>,
 }
@@ -57,7 +57,7 @@ impl Edited {
 }
 
 /// The recording's own marks, in order of time.
-pub(super) fn present(opened: &Opened) -> anyhow::Result<Vec<Placed>> {
+pub(super) fn present(opened: &Opened) -> anyhow::Result<Vec<PlacedMark>> {
     let topic = &opened.scene.for_reading().marks_topic;
     if !opened
         .recording
@@ -68,9 +68,9 @@ pub(super) fn present(opened: &Opened) -> anyhow::Result<Vec<Placed>> {
         return Ok(Vec::new());
     }
     let messages = opened.recording.marks_on(topic)?;
-    let mut marks: Vec<Placed> = messages
+    let mut marks: Vec<PlacedMark> = messages
         .into_iter()
-        .map(|message| Placed {
+        .map(|message| PlacedMark {
             mark: message.mark,
             place: Some(message.place),
             log_time: message.log_time,
@@ -83,7 +83,7 @@ pub(super) fn present(opened: &Opened) -> anyhow::Result<Vec<Placed>> {
 /// The marks with the changes. Times count from the first pose, and messages are logged so much later than
 /// they are stamped.
 pub(super) fn edited(
-    mut marks: Vec<Placed>,
+    mut marks: Vec<PlacedMark>,
     edits: &MarkEdits,
     opened: &Opened,
     first: Stamp,
@@ -91,18 +91,18 @@ pub(super) fn edited(
 ) -> anyhow::Result<Edited> {
     let scene = opened.scene.for_reading();
     let mut without = BTreeSet::new();
-    let placed = |stamp: Stamp, event: Option<String>| Placed {
+    let placed = |stamp: Stamp, event: Option<String>| PlacedMark {
         mark: Mark { stamp, event },
         place: None,
         log_time: Stamp(stamp.0.saturating_add(offset_ns).max(0)),
     };
-    let new = |(time, event): &ListedMark| -> anyhow::Result<Placed> {
+    let new = |(time, event): &ListedMark| -> anyhow::Result<PlacedMark> {
         if let Some(event) = event {
             check_event(event, scene)?;
         }
         Ok(placed(stamp_of(*time, first)?, event.clone()))
     };
-    let replaced: Option<Vec<Placed>> = match (&edits.from_file, &edits.from_topic) {
+    let replaced: Option<Vec<PlacedMark>> = match (&edits.from_file, &edits.from_topic) {
         (Some(file), _) => {
             let text = read_text(file)
                 .with_context(|| format!("{}: cannot read the marks", file.display()))?;
@@ -118,7 +118,7 @@ pub(super) fn edited(
         marks.sort_by_key(|of| of.mark.stamp);
     }
     // Numbers are those of the list before anything is left out or moved.
-    let mut listed: Vec<Option<Placed>> = marks.into_iter().map(Some).collect();
+    let mut listed: Vec<Option<PlacedMark>> = marks.into_iter().map(Some).collect();
     for which in &edits.remove {
         let found = if which == "all" {
             (0..listed.len()).collect()
@@ -136,13 +136,14 @@ pub(super) fn edited(
             listed[index] = Some(placed(stamp_of(*time, first)?, of.mark.event));
         }
     }
-    let mut marks: Vec<Placed> = listed.into_iter().flatten().collect();
+    let mut marks: Vec<PlacedMark> = listed.into_iter().flatten().collect();
     for of in &edits.add {
         marks.push(new(of)?);
     }
     marks.sort_by_key(|of| of.mark.stamp);
     for (index, of) in marks.iter().enumerate() {
-        let same = |other: &&Placed| of.mark.event.is_some() && other.mark.event == of.mark.event;
+        let same =
+            |other: &&PlacedMark| of.mark.event.is_some() && other.mark.event == of.mark.event;
         ensure!(
             edits.is_empty() || !marks[..index].iter().any(|other| same(&other)),
             "a second mark of {:?}, expected one: --move moves the one that is there",
@@ -157,9 +158,9 @@ pub(super) fn edited(
 fn of_topic(
     opened: &Opened,
     topic: &str,
-    placed: &dyn Fn(Stamp, Option<String>) -> Placed,
+    placed: &dyn Fn(Stamp, Option<String>) -> PlacedMark,
     offset_ns: i64,
-) -> anyhow::Result<Vec<Placed>> {
+) -> anyhow::Result<Vec<PlacedMark>> {
     let messages = opened.recording.marks_on(topic)?;
     let marks = messages.into_iter().map(|message| {
         let stamp = if message.is_stamped {
@@ -176,7 +177,7 @@ fn of_topic(
 }
 
 /// The index of a mark that is meant by its number, from 1, or by the name of its event.
-fn find(which: &str, marks: &[Option<Placed>]) -> anyhow::Result<usize> {
+fn find(which: &str, marks: &[Option<PlacedMark>]) -> anyhow::Result<usize> {
     let named: Vec<usize> = (0..marks.len())
         .filter(|index| {
             let mark = marks[*index].as_ref();

@@ -31,7 +31,7 @@ struct KeyframeFlight {
 }
 
 /// A motion of which keyframes are chosen.
-pub(super) struct Motion {
+pub(super) struct SketchMotion {
     flights: Vec<KeyframeFlight>,
     marks: Vec<Mark>,
 }
@@ -42,7 +42,7 @@ const PER_SECOND: f64 = 1000.0;
 /// Most keyframes of all estimated flights among which is chosen.
 const LIMIT: f64 = 5e5;
 
-impl Motion {
+impl SketchMotion {
     /// What was acted, flight by flight: parted by the streams of an edited sketch, else by the
     /// marks. Fails where marks without names are not as many as the events that are left for them.
     pub(super) fn acted(scene: &Scene, events: &[TakeEvent]) -> anyhow::Result<Self> {

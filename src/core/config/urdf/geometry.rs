@@ -10,7 +10,7 @@ use crate::math::Pose;
 
 /// A solid about the origin of its own frame.
 #[derive(Clone, Debug)]
-pub(super) enum Primitive {
+pub(super) enum UrdfPrimitive {
     Cuboid {
         half_extents_m: Vector3<f64>,
     },
@@ -31,15 +31,15 @@ pub(super) enum Primitive {
 
 /// A solid at its place in the link's frame.
 #[derive(Clone, Debug)]
-pub(super) struct Placed {
-    pub(super) primitive: Primitive,
+pub(super) struct UrdfPlaced {
+    pub(super) primitive: UrdfPrimitive,
     pub(super) link_from_solid: Pose,
 }
 
 /// What a link's `<collision>` or `<visual>` elements are.
 #[derive(Debug, Default)]
-pub(super) struct Solids {
-    pub(super) placed: Vec<Placed>,
+pub(super) struct UrdfSolids {
+    pub(super) placed: Vec<UrdfPlaced>,
     /// The meshes.
     pub(super) meshes: Vec<Range<usize>>,
 }
@@ -47,12 +47,12 @@ pub(super) struct Solids {
 /// Both.
 #[derive(Debug, Default)]
 pub(super) struct Geometries {
-    pub(super) collision: Solids,
-    pub(super) visual: Solids,
+    pub(super) collision: UrdfSolids,
+    pub(super) visual: UrdfSolids,
 }
 
 /// Reads a `<collision>` or a `<visual>`.
-pub(super) fn geometry(element: &mut Element, solids: &mut Solids) -> Result<(), Fault> {
+pub(super) fn geometry(element: &mut Element, solids: &mut UrdfSolids) -> Result<(), Fault> {
     element.only(&["name"]);
     let (mut origin, mut read) = (None, None);
     let mut mesh = None;
@@ -85,26 +85,28 @@ pub(super) fn geometry(element: &mut Element, solids: &mut Solids) -> Result<(),
         Ok(true)
     })?;
     solids.meshes.extend(mesh);
-    solids.placed.extend(read.flatten().map(|primitive| Placed {
-        primitive,
-        link_from_solid: origin.unwrap_or_else(Pose::identity),
-    }));
+    solids
+        .placed
+        .extend(read.flatten().map(|primitive| UrdfPlaced {
+            primitive,
+            link_from_solid: origin.unwrap_or_else(Pose::identity),
+        }));
     Ok(())
 }
 
 /// `None` of what scenes do not know.
-fn primitive(element: &mut Element) -> Result<Option<Primitive>, Fault> {
+fn primitive(element: &mut Element) -> Result<Option<UrdfPrimitive>, Fault> {
     let shape = match element.tag() {
         "box" => {
             let size = element.only(&["size"]).vector_if("size")?;
             match size.filter(|size| size.min() > 0.0) {
-                Some(size) => Primitive::Cuboid {
+                Some(size) => UrdfPrimitive::Cuboid {
                     half_extents_m: size / 2.0,
                 },
                 None => return element.fault("<box> has no size, expected three positive numbers"),
             }
         }
-        "sphere" => Primitive::Sphere {
+        "sphere" => UrdfPrimitive::Sphere {
             radius_m: element.only(&["radius"]).positive("radius")?,
         },
         round @ ("cylinder" | "capsule") => {
@@ -112,11 +114,11 @@ fn primitive(element: &mut Element) -> Result<Option<Primitive>, Fault> {
             let radius_m = element.positive("radius")?;
             let half_length_m = element.positive("length")? / 2.0;
             match round {
-                "cylinder" => Primitive::Cylinder {
+                "cylinder" => UrdfPrimitive::Cylinder {
                     half_length_m,
                     radius_m,
                 },
-                _ => Primitive::Capsule {
+                _ => UrdfPrimitive::Capsule {
                     half_length_m,
                     radius_m,
                 },

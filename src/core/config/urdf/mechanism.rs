@@ -7,9 +7,9 @@ use crate::config::spanned::Spanned;
 use nalgebra::Vector3;
 
 use super::element::Notes;
-use super::merge::{Merged, Turn, merged};
-use super::robot::{Inertial, Joint, Kind, Link, Robot, WORLD};
-use super::solid::{Solid, solid};
+use super::merge::{Merged, UrdfTurn, merged};
+use super::robot::{Inertial, Robot, UrdfJoint, UrdfKind, UrdfLink, WORLD};
+use super::solid::{UrdfSolid, solid};
 use crate::config::error::{Fault, fault};
 use crate::config::number::{quoted, unique};
 use crate::math::Pose;
@@ -19,23 +19,23 @@ const BODIES: usize = 2000;
 
 /// What moves.
 #[derive(Debug, Default)]
-pub(super) struct Mechanism {
-    pub(super) bodies: Vec<Body>,
-    pub(super) hinges: Vec<Hinge>,
+pub(super) struct UrdfMechanism {
+    pub(super) bodies: Vec<UrdfBody>,
+    pub(super) hinges: Vec<UrdfHinge>,
 }
 
 /// A link with mass.
 #[derive(Debug)]
-pub(super) struct Body {
+pub(super) struct UrdfBody {
     pub(super) name: Spanned<String>,
-    pub(super) solid: Solid,
+    pub(super) solid: UrdfSolid,
     /// Links without mass that are fixed to it: names and places in its frame.
     pub(super) points: Vec<(String, Vector3<f64>)>,
 }
 
 /// A joint between two bodies, or a body and the world.
 #[derive(Debug)]
-pub(super) struct Hinge {
+pub(super) struct UrdfHinge {
     pub(super) name: Spanned<String>,
     pub(super) parent: Option<usize>,
     pub(super) child: usize,
@@ -51,7 +51,7 @@ struct Hung {
     /// A body; `None`: the world.
     host: Option<usize>,
     host_from_link: Pose,
-    turns: Vec<Turn>,
+    turns: Vec<UrdfTurn>,
 }
 
 impl Hung {
@@ -65,10 +65,10 @@ impl Hung {
 }
 
 /// Reduces a description.
-pub(super) fn mechanism(robot: &Robot, notes: &mut Notes) -> Result<Mechanism, Fault> {
+pub(super) fn mechanism(robot: &Robot, notes: &mut Notes) -> Result<UrdfMechanism, Fault> {
     let graph = Graph::new(robot)?;
     let root = graph.root()?;
-    let mut made = Mechanism::default();
+    let mut made = UrdfMechanism::default();
     let base = match graph.link(root).name.get_ref() == WORLD {
         true => None,
         false => Some(graph.base(root)?),
@@ -117,7 +117,7 @@ pub(super) fn mechanism(robot: &Robot, notes: &mut Notes) -> Result<Mechanism, F
         let said = "no link has mass, expected an <inertial> of what moves";
         return fault(robot.span.clone(), said);
     }
-    let is_fixed = |of: &Hinge| of.joint.kind == "fixed";
+    let is_fixed = |of: &UrdfHinge| of.joint.kind == "fixed";
     if base.is_none() && made.hinges.iter().all(is_fixed) && made.hinges.len() == made.bodies.len()
     {
         let said = "nothing can move: every link is fixed to the world";
@@ -136,7 +136,7 @@ pub(super) fn mechanism(robot: &Robot, notes: &mut Notes) -> Result<Mechanism, F
 }
 
 /// A link without mass at the end of moving joints.
-fn dangling<T>(link: &Link, hanging: usize) -> Result<T, Fault> {
+fn dangling<T>(link: &UrdfLink, hanging: usize) -> Result<T, Fault> {
     let name = link.name.get_ref();
     let said = match hanging {
         0 => format!(
@@ -150,7 +150,7 @@ fn dangling<T>(link: &Link, hanging: usize) -> Result<T, Fault> {
 }
 
 /// Notes solids of a link that is no body.
-fn unread(link: &Link, notes: &mut Notes) {
+fn unread(link: &UrdfLink, notes: &mut Notes) {
     let of = [&link.geometries.collision, &link.geometries.visual];
     if of
         .iter()
@@ -164,11 +164,11 @@ fn unread(link: &Link, notes: &mut Notes) {
     }
 }
 
-impl Mechanism {
+impl UrdfMechanism {
     /// Adds a body; its index.
     fn add_body(
         &mut self,
-        link: &Link,
+        link: &UrdfLink,
         inertial: &Inertial,
         notes: &mut Notes,
     ) -> Result<usize, Fault> {
@@ -179,7 +179,7 @@ impl Mechanism {
             );
             return fault(link.name.span(), said);
         }
-        self.bodies.push(Body {
+        self.bodies.push(UrdfBody {
             name: link.name.clone(),
             solid: solid(link, inertial, notes)?,
             points: Vec::new(),
@@ -188,7 +188,7 @@ impl Mechanism {
     }
 
     /// A link without mass: where it is fixed to a body, it is a named point of it.
-    fn point(&mut self, link: &Link, hung: &Hung, notes: &mut Notes) {
+    fn point(&mut self, link: &UrdfLink, hung: &Hung, notes: &mut Notes) {
         unread(link, notes);
         if let (Some(host), true) = (hung.host, hung.turns.is_empty()) {
             let name = link.name.get_ref();
@@ -206,17 +206,17 @@ impl Mechanism {
     /// Hangs a link from another by a joint: where it is then.
     fn hang(
         &mut self,
-        joint: &Joint,
-        child: &Link,
+        joint: &UrdfJoint,
+        child: &UrdfLink,
         parent: &Hung,
         notes: &mut Notes,
     ) -> Result<Hung, Fault> {
         let mut hung = parent.clone();
         hung.host_from_link *= joint.parent_from_child;
         match joint.kind {
-            Kind::Floating => return self.let_fly(joint, child, parent, notes),
-            Kind::Fixed => {}
-            Kind::Revolute { axis, limits_rad } => hung.turns.push(Turn {
+            UrdfKind::Floating => return self.let_fly(joint, child, parent, notes),
+            UrdfKind::Fixed => {}
+            UrdfKind::Revolute { axis, limits_rad } => hung.turns.push(UrdfTurn {
                 name: joint.name.clone(),
                 at_m: hung.host_from_link.translation.vector,
                 axis: hung.host_from_link.rotation * axis,
@@ -242,7 +242,7 @@ impl Mechanism {
             notes.add(&joint.name.span(), said);
         }
         let index = self.add_body(child, inertial, notes)?;
-        self.hinges.push(Hinge {
+        self.hinges.push(UrdfHinge {
             name: Spanned::new(joint.name.span(), names.join(" ")),
             parent: hung.host,
             child: index,
@@ -255,8 +255,8 @@ impl Mechanism {
     /// A link that a floating joint lets fly: the first body of all.
     fn let_fly(
         &mut self,
-        joint: &Joint,
-        child: &Link,
+        joint: &UrdfJoint,
+        child: &UrdfLink,
         parent: &Hung,
         notes: &mut Notes,
     ) -> Result<Hung, Fault> {
@@ -344,7 +344,7 @@ impl<'a> Graph<'a> {
         Ok(graph)
     }
 
-    fn link(&self, index: usize) -> &'a Link {
+    fn link(&self, index: usize) -> &'a UrdfLink {
         &self.robot.links[index]
     }
 
@@ -402,7 +402,7 @@ impl<'a> Graph<'a> {
             }
             for of in self.hanging[link].iter().rev() {
                 let joint = &self.robot.joints[*of];
-                if joint.kind == Kind::Fixed {
+                if joint.kind == UrdfKind::Fixed {
                     left.push((self.child[*of], root_from_link * joint.parent_from_child));
                 }
             }

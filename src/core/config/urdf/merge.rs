@@ -17,7 +17,7 @@ const RIGHT_ANGLE: f64 = 1e-4;
 
 /// A turn about an axis, in the frame of the link that all hang from, where all angles are zero.
 #[derive(Clone, Debug)]
-pub(super) struct Turn {
+pub(super) struct UrdfTurn {
     pub(super) name: Spanned<String>,
     pub(super) at_m: Vector3<f64>,
     pub(super) axis: Vector3<f64>,
@@ -42,8 +42,8 @@ pub(super) struct Merged {
 ///
 /// Where axes meet in a point X, `Exp(ξ₁ θ₁) Exp(ξ₂ θ₂) … M` is a rotation about X: the product of
 /// exponentials, with every twist through X.
-pub(super) fn merged(turns: &[Turn], at_m: Vector3<f64>) -> Result<Merged, Fault> {
-    let joint = |kind, at_m, axes: &[Turn]| Merged {
+pub(super) fn merged(turns: &[UrdfTurn], at_m: Vector3<f64>) -> Result<Merged, Fault> {
+    let joint = |kind, at_m, axes: &[UrdfTurn]| Merged {
         at_m,
         axes: axes.iter().map(|of| (of.axis, of.limits_rad)).collect(),
         kind,
@@ -91,7 +91,7 @@ pub(super) fn merged(turns: &[Turn], at_m: Vector3<f64>) -> Result<Merged, Fault
 }
 
 /// Where two axes meet.
-fn meeting(first: &Turn, second: &Turn) -> Result<Vector3<f64>, Fault> {
+fn meeting(first: &UrdfTurn, second: &UrdfTurn) -> Result<Vector3<f64>, Fault> {
     let names = format!("{:?} and {:?}", first.name.get_ref(), second.name.get_ref());
     let across = first.axis.cross(&second.axis);
     let sine = across.norm();
@@ -118,7 +118,7 @@ fn meeting(first: &Turn, second: &Turn) -> Result<Vector3<f64>, Fault> {
 }
 
 /// Where three axes meet that reach every orientation.
-fn ball(first: &Turn, second: &Turn, third: &Turn) -> Result<Vector3<f64>, Fault> {
+fn ball(first: &UrdfTurn, second: &UrdfTurn, third: &UrdfTurn) -> Result<Vector3<f64>, Fault> {
     let names = [first, second, third].map(|of| format!("{:?}", of.name.get_ref()));
     let names = names.join(", ");
     let at_m = meeting(first, second)?;

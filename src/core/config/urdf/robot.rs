@@ -19,15 +19,15 @@ pub(super) const WORLD: &str = "world";
 pub(super) struct Robot {
     pub(super) name: Spanned<String>,
     pub(super) span: Range<usize>,
-    pub(super) links: Vec<Link>,
-    pub(super) joints: Vec<Joint>,
+    pub(super) links: Vec<UrdfLink>,
+    pub(super) joints: Vec<UrdfJoint>,
     /// What changes the motion and is not read.
     pub(super) lost: Notes,
 }
 
 /// A link.
 #[derive(Debug)]
-pub(super) struct Link {
+pub(super) struct UrdfLink {
     pub(super) name: Spanned<String>,
     /// `None`: it has no mass.
     pub(super) inertial: Option<Inertial>,
@@ -46,9 +46,9 @@ pub(super) struct Inertial {
 
 /// A joint.
 #[derive(Debug)]
-pub(super) struct Joint {
+pub(super) struct UrdfJoint {
     pub(super) name: Spanned<String>,
-    pub(super) kind: Kind,
+    pub(super) kind: UrdfKind,
     pub(super) parent: Spanned<String>,
     pub(super) child: Spanned<String>,
     /// The child's frame at angle zero.
@@ -58,7 +58,7 @@ pub(super) struct Joint {
 
 /// What a joint leaves free.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum UrdfKind {
     Fixed,
     Floating,
     /// About an axis in the child's frame, of length 1, within limits.
@@ -137,7 +137,7 @@ fn offset(text: &str, row: u32, column: u32) -> usize {
     start + inside.map_or(line.len(), |(at, _)| at)
 }
 
-fn link(element: &mut Element) -> Result<Link, Fault> {
+fn link(element: &mut Element) -> Result<UrdfLink, Fault> {
     let name = element.only(&["name"]).name("name")?;
     let mut read = None;
     let mut geometries = Geometries::default();
@@ -153,7 +153,7 @@ fn link(element: &mut Element) -> Result<Link, Fault> {
         }
         Ok(true)
     })?;
-    Ok(Link {
+    Ok(UrdfLink {
         name,
         inertial: read.flatten(),
         geometries,
@@ -207,7 +207,7 @@ fn inertial(element: &mut Element) -> Result<Option<Inertial>, Fault> {
     }))
 }
 
-fn joint(element: &mut Element, lost: &mut Notes) -> Result<Joint, Fault> {
+fn joint(element: &mut Element, lost: &mut Notes) -> Result<UrdfJoint, Fault> {
     let name = element.only(&["name", "type"]).name("name")?;
     let written = element.text("type")?;
     let (mut parent, mut child_link, mut origin) = (None, None, None);
@@ -274,7 +274,7 @@ fn joint(element: &mut Element, lost: &mut Notes) -> Result<Joint, Fault> {
         );
         return element.fault(said);
     }
-    Ok(Joint {
+    Ok(UrdfJoint {
         name,
         kind,
         parent,
@@ -291,11 +291,11 @@ fn kind(
     axis_span: Range<usize>,
     limits: Option<[f64; 2]>,
     element: &Element,
-) -> Result<Kind, Fault> {
+) -> Result<UrdfKind, Fault> {
     let name = name.get_ref();
     let limits_rad = match (written.get_ref().as_str(), limits) {
-        ("fixed", _) => return Ok(Kind::Fixed),
-        ("floating", _) => return Ok(Kind::Floating),
+        ("fixed", _) => return Ok(UrdfKind::Fixed),
+        ("floating", _) => return Ok(UrdfKind::Floating),
         ("continuous", _) => [f64::NEG_INFINITY, f64::INFINITY],
         ("revolute", Some([lower, upper])) if lower < upper => [lower, upper],
         ("revolute", Some([lower, upper])) => {
@@ -328,7 +328,7 @@ fn kind(
         let said = format!("the axis of joint {name:?} is zero, expected a direction");
         return fault(axis_span, said);
     }
-    Ok(Kind::Revolute {
+    Ok(UrdfKind::Revolute {
         axis: axis / length,
         limits_rad,
     })

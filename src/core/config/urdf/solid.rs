@@ -8,9 +8,9 @@ use std::f64::consts::TAU;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::element::Notes;
-use super::geometry::{Placed, Primitive};
+use super::geometry::{UrdfPlaced, UrdfPrimitive};
 
-use super::robot::{Inertial, Link};
+use super::robot::{Inertial, UrdfLink};
 use crate::config::error::{Fault, fault};
 use crate::config::principal::{ROUNDING, principal};
 use crate::math::Pose;
@@ -33,17 +33,17 @@ const FLAT: f64 = 1e-3;
 
 /// A body: its axes in the link's frame, mass, moments and shape.
 #[derive(Clone, Debug)]
-pub(super) struct Solid {
+pub(super) struct UrdfSolid {
     pub(super) link_from_body: Pose,
     pub(super) mass_kg: f64,
     pub(super) moments_kg_m2: Vector3<f64>,
-    pub(super) shape: Shape,
+    pub(super) shape: UrdfShape,
 }
 
 /// A shape that scenes have, in the body's axes.
 #[derive(Clone, Debug)]
-pub(super) enum Shape {
-    Whole(Primitive),
+pub(super) enum UrdfShape {
+    Whole(UrdfPrimitive),
     Hull { points_m: Vec<Vector3<f64>> },
 }
 
@@ -51,7 +51,11 @@ pub(super) enum Shape {
 ///
 /// Its axes are the link's own where these are principal, else those of its solid where these are,
 /// else the principal axes nearest to the link's.
-pub(super) fn solid(link: &Link, inertial: &Inertial, notes: &mut Notes) -> Result<Solid, Fault> {
+pub(super) fn solid(
+    link: &UrdfLink,
+    inertial: &Inertial,
+    notes: &mut Notes,
+) -> Result<UrdfSolid, Fault> {
     let placed = chosen(link, inertial, notes);
     let centre = &inertial.link_from_centre;
     let turn = centre.rotation.to_rotation_matrix();
@@ -66,7 +70,7 @@ pub(super) fn solid(link: &Link, inertial: &Inertial, notes: &mut Notes) -> Resu
     let native = std::iter::once(own).chain(of_solid).find_map(|near| {
         let (link_from_body, moments_kg_m2) = body(&near)?;
         let shape = native(&link_from_body, placed)?;
-        Some((link_from_body, moments_kg_m2, Shape::Whole(shape)))
+        Some((link_from_body, moments_kg_m2, UrdfShape::Whole(shape)))
     });
     let (link_from_body, moments_kg_m2, shape) = match native {
         Some(found) => found,
@@ -92,7 +96,7 @@ pub(super) fn solid(link: &Link, inertial: &Inertial, notes: &mut Notes) -> Resu
             (link_from_body, moments_kg_m2, shape)
         }
     };
-    Ok(Solid {
+    Ok(UrdfSolid {
         link_from_body,
         mass_kg: inertial.mass_kg,
         moments_kg_m2,
@@ -101,7 +105,7 @@ pub(super) fn solid(link: &Link, inertial: &Inertial, notes: &mut Notes) -> Resu
 }
 
 /// The solids that count: those that collide, or that are drawn where none do.
-fn chosen<'a>(link: &'a Link, inertial: &Inertial, notes: &mut Notes) -> &'a [Placed] {
+fn chosen<'a>(link: &'a UrdfLink, inertial: &Inertial, notes: &mut Notes) -> &'a [UrdfPlaced] {
     let of = &link.geometries;
     let name = link.name.get_ref();
     let is_drawn = of.collision.placed.is_empty() && !of.visual.placed.is_empty();
@@ -123,7 +127,7 @@ fn chosen<'a>(link: &'a Link, inertial: &Inertial, notes: &mut Notes) -> &'a [Pl
 }
 
 /// The one solid as a shape of a body with these axes, where it is one.
-fn native(link_from_body: &Pose, placed: &[Placed]) -> Option<Primitive> {
+fn native(link_from_body: &Pose, placed: &[UrdfPlaced]) -> Option<UrdfPrimitive> {
     let [of] = placed else {
         return None;
     };
@@ -133,34 +137,34 @@ fn native(link_from_body: &Pose, placed: &[Placed]) -> Option<Primitive> {
     }
     let turn = body_from_solid.rotation.to_rotation_matrix();
     match &of.primitive {
-        Primitive::Cuboid { half_extents_m } => {
+        UrdfPrimitive::Cuboid { half_extents_m } => {
             let along = turn.matrix().map(|of| of.abs().round());
             let is_along = (turn.matrix().abs() - along).amax() <= ALONG_RAD;
-            is_along.then(|| Primitive::Cuboid {
+            is_along.then(|| UrdfPrimitive::Cuboid {
                 half_extents_m: along * half_extents_m,
             })
         }
-        Primitive::Cylinder { .. } | Primitive::Capsule { .. } => {
+        UrdfPrimitive::Cylinder { .. } | UrdfPrimitive::Capsule { .. } => {
             let across = turn.matrix().column(2).xy().amax();
             (across <= ALONG_RAD).then(|| of.primitive.clone())
         }
-        Primitive::Sphere { .. } => Some(of.primitive.clone()),
+        UrdfPrimitive::Sphere { .. } => Some(of.primitive.clone()),
     }
 }
 
 /// The box of uniform density with this mass and these moments. Where it would be a plate without
 /// thickness it has a little.
-fn of_moments(mass_kg: f64, moments_kg_m2: &Vector3<f64>) -> Shape {
+fn of_moments(mass_kg: f64, moments_kg_m2: &Vector3<f64>) -> UrdfShape {
     // I_x = m (b² + c²)/3 with half sides a, b, c.
     let squares = moments_kg_m2.map(|of| (0.5 * moments_kg_m2.sum() - of) * 3.0 / mass_kg);
     let sides = squares.map(|of| of.max(0.0).sqrt());
-    Shape::Whole(Primitive::Cuboid {
+    UrdfShape::Whole(UrdfPrimitive::Cuboid {
         half_extents_m: sides.map(|of| of.max(FLAT * sides.max())),
     })
 }
 
 /// Corners of all solids, in the body's axes.
-fn hull(link_from_body: &Pose, placed: &[Placed]) -> Shape {
+fn hull(link_from_body: &Pose, placed: &[UrdfPlaced]) -> UrdfShape {
     let body_from_link = link_from_body.inverse();
     let mut points_m = Vec::new();
     for of in placed {
@@ -168,25 +172,25 @@ fn hull(link_from_body: &Pose, placed: &[Placed]) -> Shape {
         let corners = corners(&of.primitive).into_iter();
         points_m.extend(corners.map(|at| (body_from_solid * nalgebra::Point3::from(at)).coords));
     }
-    Shape::Hull { points_m }
+    UrdfShape::Hull { points_m }
 }
 
-fn corners(primitive: &Primitive) -> Vec<Vector3<f64>> {
+fn corners(primitive: &UrdfPrimitive) -> Vec<Vector3<f64>> {
     match primitive {
-        Primitive::Cuboid { half_extents_m } => (0..8)
+        UrdfPrimitive::Cuboid { half_extents_m } => (0..8)
             .map(|corner| {
                 let sign = |axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
                 Vector3::from_fn(|axis, _| sign(axis) * half_extents_m[axis])
             })
             .collect(),
-        Primitive::Cylinder {
+        UrdfPrimitive::Cylinder {
             half_length_m,
             radius_m,
         } => [-half_length_m, *half_length_m]
             .into_iter()
             .flat_map(|z_m| ring(*radius_m, z_m))
             .collect(),
-        Primitive::Capsule {
+        UrdfPrimitive::Capsule {
             half_length_m,
             radius_m,
         } => [-1.0, 1.0]
@@ -198,7 +202,7 @@ fn corners(primitive: &Primitive) -> Vec<Vector3<f64>> {
                 cap.map(move |at| at + Vector3::z() * end * *half_length_m)
             })
             .collect(),
-        Primitive::Sphere { radius_m } => ball(*radius_m),
+        UrdfPrimitive::Sphere { radius_m } => ball(*radius_m),
     }
 }
 

@@ -5,10 +5,10 @@ use std::ops::Range;
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::geometry::Primitive;
-use super::mechanism::{Body, Hinge, Mechanism};
+use super::geometry::UrdfPrimitive;
+use super::mechanism::{UrdfBody, UrdfHinge, UrdfMechanism};
 use super::robot::Robot;
-use super::solid::Shape;
+use super::solid::UrdfShape;
 use crate::math::Pose;
 
 /// Parts of a number below this are rounding \[m\] and nothing is lost by zero.
@@ -24,7 +24,7 @@ pub(super) struct SceneText {
 
 impl SceneText {
     /// Writes a mechanism.
-    pub(super) fn new(robot: &Robot, made: &Mechanism) -> Self {
+    pub(super) fn new(robot: &Robot, made: &UrdfMechanism) -> Self {
         let mut text = Self::default();
         text.begin(robot.span.clone());
         let _ = write!(
@@ -59,7 +59,7 @@ impl SceneText {
         self.tables.push((self.toml.len(), span));
     }
 
-    fn body(&mut self, body: &Body) {
+    fn body(&mut self, body: &UrdfBody) {
         let solid = &body.solid;
         let body_from_link = solid.link_from_body.inverse();
         let moments = solid.moments_kg_m2;
@@ -87,7 +87,7 @@ impl SceneText {
         let _ = writeln!(self.toml, "features_mm = {{ {} }}", points.join(", "));
     }
 
-    fn hinge(&mut self, hinge: &Hinge, made: &Mechanism) {
+    fn hinge(&mut self, hinge: &UrdfHinge, made: &UrdfMechanism) {
         let joint = &hinge.joint;
         let parent_from_link = match hinge.parent {
             Some(parent) => made.bodies[parent].solid.link_from_body.inverse(),
@@ -140,7 +140,7 @@ impl SceneText {
     }
 }
 
-fn shape(shape: &Shape) -> String {
+fn shape(shape: &UrdfShape) -> String {
     let round = |kind: &str, half_length_m: f64, radius_m: f64| {
         format!(
             "kind = \"{kind}\", length_mm = {:?}, radius_mm = {:?}",
@@ -149,22 +149,22 @@ fn shape(shape: &Shape) -> String {
         )
     };
     match shape {
-        Shape::Whole(Primitive::Cuboid { half_extents_m }) => {
+        UrdfShape::Whole(UrdfPrimitive::Cuboid { half_extents_m }) => {
             let size = millimetres(&(2.0 * half_extents_m));
             format!("kind = \"cuboid\", size_mm = {size}")
         }
-        Shape::Whole(Primitive::Sphere { radius_m }) => {
+        UrdfShape::Whole(UrdfPrimitive::Sphere { radius_m }) => {
             format!("kind = \"sphere\", radius_mm = {:?}", 1e3 * radius_m)
         }
-        Shape::Whole(Primitive::Cylinder {
+        UrdfShape::Whole(UrdfPrimitive::Cylinder {
             half_length_m,
             radius_m,
         }) => round("cylinder", *half_length_m, *radius_m),
-        Shape::Whole(Primitive::Capsule {
+        UrdfShape::Whole(UrdfPrimitive::Capsule {
             half_length_m,
             radius_m,
         }) => round("capsule", *half_length_m, *radius_m),
-        Shape::Hull { points_m } => {
+        UrdfShape::Hull { points_m } => {
             let points: Vec<String> = points_m.iter().map(millimetres).collect();
             format!("kind = \"hull\", points_mm = [{}]", points.join(", "))
         }

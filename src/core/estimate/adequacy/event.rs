@@ -22,7 +22,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::alone::Alone;
-use super::hand::{Expected, Hand, Kind};
+use super::hand::{Expected, ResidualKind, Wander};
 use super::part::{self, Part, PartTest};
 use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::{self, Bins, Residuals, Six};
@@ -197,10 +197,13 @@ impl Products {
     }
 
     /// `S` under white noise, and a hand's wander if there is one.
-    fn covariance(&self, white: [f64; 2], hands: Option<&[Hand; 2]>) -> DMatrix<f64> {
+    fn covariance(&self, white: [f64; 2], hands: Option<&[Wander; 2]>) -> DMatrix<f64> {
         let [positions, orientations] = &self.squares;
         let mut covariance = positions * white[0] + orientations * white[1] + &self.priors;
-        for (kind, hand) in Kind::ALL.into_iter().zip(hands.into_iter().flatten()) {
+        for (kind, hand) in ResidualKind::ALL
+            .into_iter()
+            .zip(hands.into_iter().flatten())
+        {
             for (i, y) in self.sums.iter().enumerate() {
                 for (j, z) in self.sums[..=i].iter().enumerate() {
                     let value = hand.covariance(kind, y, z);

@@ -17,7 +17,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::alone::Alone;
-use super::hand::{Expected, Hand};
+use super::hand::{Expected, Wander};
 use super::part::{self, Part, PartTest};
 use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::{Bins, Six};
@@ -151,7 +151,7 @@ impl<'b> BinWeights<'b> {
     }
 
     /// Covariance of the wander, weighted.
-    fn wander(&self, hands: &[Hand; 2]) -> DMatrix<f64> {
+    fn wander(&self, hands: &[Wander; 2]) -> DMatrix<f64> {
         DMatrix::from_fn(self.count(), self.count(), |row, column| {
             if row % 6 != column % 6 {
                 return 0.0;

@@ -50,7 +50,7 @@ const USUAL_SPREAD: f64 = 1.5;
 const DEPENDENT: f64 = 1e-6;
 
 /// Covariance of one kind's residuals: white noise and wander.
-pub(super) struct Hand {
+pub(super) struct Wander {
     /// Correlations of the bins, row by row.
     correlation: DMatrix<f64>,
     /// Variance of the wander, in squared units.
@@ -61,12 +61,12 @@ pub(super) struct Hand {
 
 /// Position or orientation.
 #[derive(Clone, Copy)]
-pub(super) enum Kind {
+pub(super) enum ResidualKind {
     Position = 0,
     Orientation = 1,
 }
 
-impl Kind {
+impl ResidualKind {
     pub(super) const ALL: [Self; 2] = [Self::Position, Self::Orientation];
 
     /// Its entries of a residual.
@@ -75,13 +75,13 @@ impl Kind {
     }
 }
 
-impl Hand {
+impl Wander {
     /// The wander of one kind that the bins' mean residuals show, of which the directions `absorbed`
     /// are left out; `white` is the variance of a sample's white noise, and `unit` one unit \[m or rad\]. Sizes are as
     /// `expected`.
     pub(super) fn of(
         bins: &Bins,
-        kind: Kind,
+        kind: ResidualKind,
         means: &[Six],
         absorbed: &[Vec<Six>],
         white: f64,
@@ -115,7 +115,7 @@ impl Hand {
     }
 
     /// A wander of a given variance.
-    pub(super) fn of_variance(bins: &Bins, kind: Kind, variance: f64) -> Self {
+    pub(super) fn of_variance(bins: &Bins, kind: ResidualKind, variance: f64) -> Self {
         Self {
             correlation: correlation(bins, EXPONENTS[kind as usize]),
             variance,
@@ -146,7 +146,7 @@ impl Hand {
     }
 
     /// `yᵀ Σ z` of the wander, of two weightings with the given sums over the bins.
-    pub(super) fn covariance(&self, kind: Kind, y: &[Six], z: &[Six]) -> f64 {
+    pub(super) fn covariance(&self, kind: ResidualKind, y: &[Six], z: &[Six]) -> f64 {
         let mut sum = 0.0;
         for (row, left) in y.iter().enumerate() {
             for (column, right) in z.iter().enumerate() {
@@ -212,7 +212,7 @@ struct Contrasts {
 impl Contrasts {
     fn new(
         bins: &Bins,
-        kind: Kind,
+        kind: ResidualKind,
         correlation: &DMatrix<f64>,
         means: &[Six],
         absorbed: &[Vec<Six>],

@@ -4,7 +4,7 @@ use nalgebra::DVector;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::alone::Alone;
-use super::hand::{Expected, Hand, Kind};
+use super::hand::{Expected, ResidualKind, Wander};
 use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::{Bins, Residuals, Six};
 use crate::estimate::covariance::trace::Design;
@@ -34,7 +34,7 @@ impl PartTest {
         part: Part,
         place: Place,
         white: [f64; 2],
-        hands: &[Hand; 2],
+        hands: &[Wander; 2],
         by_noise: Tested,
         by_hand: Tested,
     ) -> Self {
@@ -74,14 +74,14 @@ pub(super) fn hands(
     absorbed: &[Vec<Six>],
     white: [f64; 2],
     expected: Expected,
-) -> [Hand; 2] {
+) -> [Wander; 2] {
     let means = bins.mean_residuals(errors);
     let problem = context.problem;
-    Kind::ALL.map(|kind| match problem.performer {
-        Performer::Nobody => Hand::of_tracker(bins),
+    ResidualKind::ALL.map(|kind| match problem.performer {
+        Performer::Nobody => Wander::of_tracker(bins),
         Performer::Hand | Performer::Unsaid => {
             let unit = [problem.position_unit_m, problem.orientation_unit_rad][kind as usize];
-            Hand::of(
+            Wander::of(
                 bins,
                 kind,
                 means.as_slice(),
@@ -95,11 +95,11 @@ pub(super) fn hands(
 }
 
 /// The wander over other bins, of variances that were shown.
-pub(super) fn hands_like(context: &SolveContext, bins: &Bins, variances: [f64; 2]) -> [Hand; 2] {
-    Kind::ALL.map(|kind| match context.problem.performer {
-        Performer::Nobody => Hand::of_tracker(bins),
+pub(super) fn hands_like(context: &SolveContext, bins: &Bins, variances: [f64; 2]) -> [Wander; 2] {
+    ResidualKind::ALL.map(|kind| match context.problem.performer {
+        Performer::Nobody => Wander::of_tracker(bins),
         Performer::Hand | Performer::Unsaid => {
-            Hand::of_variance(bins, kind, variances[kind as usize])
+            Wander::of_variance(bins, kind, variances[kind as usize])
         }
     })
 }

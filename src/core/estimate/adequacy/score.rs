@@ -18,7 +18,7 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::hand::{Hand, Kind};
+use super::hand::{ResidualKind, Wander};
 use crate::estimate::context::{Guidance, SolveContext};
 use crate::estimate::covariance::bins::{Bins, Six, products};
 use crate::estimate::covariance::trace::Design;
@@ -123,7 +123,7 @@ impl Scores {
         group: &[usize],
         lengths: &[f64],
         white: [f64; 2],
-        hands: &[Hand; 2],
+        hands: &[Wander; 2],
     ) -> Option<Scored> {
         let count = group.len();
         let mut information = DMatrix::zeros(count, count);
@@ -134,7 +134,7 @@ impl Scores {
                 let scale = lengths[i] * lengths[j];
                 information[(i, j)] = (x + y + prior) * scale;
                 let mut noise = x * white[0] + y * white[1] + prior;
-                for (kind, hand) in Kind::ALL.into_iter().zip(hands) {
+                for (kind, hand) in ResidualKind::ALL.into_iter().zip(hands) {
                     noise += hand.covariance(kind, &self.sums[*a], &self.sums[*b]);
                 }
                 variance[(i, j)] = noise * scale;

@@ -10,5 +10,5 @@ mod wider;
 pub(super) use self::candidates::Which;
 pub(super) use self::errors::Errors;
 pub(super) use self::scored::scored;
-pub(super) use self::trial::{Solved, tried};
+pub(super) use self::trial::{SolvedMotion, tried};
 pub(super) use self::wider::{Wider, unbounded};

@@ -18,17 +18,17 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use self::reached::{End, Reached};
+use self::reached::{Reached, ReachedEnd};
 use self::touched::TouchedPoint;
 use super::kind::{At, Constraint, Filled};
 use super::quantity::{self, ByState, Valued};
 use super::within::{self, WithinRow};
 use crate::estimate::arc_condition::{ArcCondition, Rows};
 use crate::estimate::arc_end::ArcEnd;
-use crate::estimate::arrival::Arrival;
+use crate::estimate::arrival::GeneralArrival;
 use crate::estimate::influence::Influence;
 use crate::estimate::layout::Layout;
-use crate::estimate::modelled::Touching;
+use crate::estimate::modelled::TouchedPair;
 use crate::estimate::problem::{Problem, unit};
 use crate::math::so3;
 use crate::motion::{BodyPoint, Gap, GoalQuantity, GoalUnit};
@@ -146,7 +146,7 @@ impl ArcCondition {
             let (end, body) = if problem.arcs[*arc].is_plain {
                 let Dynamics::Free(body) = problem.dynamics_of(*arc);
                 (
-                    End::Plain(Box::new(ArcEnd::new(
+                    ReachedEnd::Plain(Box::new(ArcEnd::new(
                         body,
                         &gravity_m_s2,
                         &point.arcs[*arc],
@@ -158,8 +158,8 @@ impl ArcCondition {
             } else {
                 let dynamics = problem.dynamics_at(&point.parameters)?;
                 let Dynamics::Free(body) = dynamics[problem.arcs[*arc].mechanism];
-                let arrival = Arrival::new(problem, point, *arc, flight.1, time_s)?;
-                (End::General(Box::new(arrival)), body)
+                let arrival = GeneralArrival::new(problem, point, *arc, flight.1, time_s)?;
+                (ReachedEnd::General(Box::new(arrival)), body)
             };
             Some(Reached {
                 end,
@@ -283,7 +283,7 @@ impl ArcCondition {
         &self,
         states: &[State],
         centres_m: &[Vector3<f64>; 2],
-        touching: Option<&Touching>,
+        touching: Option<&TouchedPair>,
     ) -> Option<MeasuredState> {
         let quantity = &self.condition.quantity;
         let seen_from = quantity.seen_from().and(states.get(1));
@@ -345,7 +345,7 @@ impl ArcCondition {
     fn by_surface(
         &self,
         measured: &MeasuredState,
-        touching: Option<&Touching>,
+        touching: Option<&TouchedPair>,
         influence: Influence,
     ) -> Vector3<f64> {
         let (Some(touched), Some(of), Some(touching)) =

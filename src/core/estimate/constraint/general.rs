@@ -13,10 +13,10 @@ use nalgebra::{RowSVector, SMatrix, SVector, Vector3};
 
 use super::kind::{At, Filled};
 use super::rows::{HALF, Places, STATE};
-use crate::estimate::arrival::{Arrival, ByStates};
+use crate::estimate::arrival::{ByStates, GeneralArrival};
 use crate::estimate::influence::{Acting, Influence};
 use crate::estimate::layout::Layout;
-use crate::estimate::modelled::Touching;
+use crate::estimate::modelled::TouchedPair;
 use crate::estimate::problem::{ArcCollision, Problem, unit};
 use crate::math::so3;
 use crate::motion::MechanismIndex;
@@ -81,17 +81,17 @@ pub(super) fn fill(
     let (problem, parameters) = (at.problem, &at.point.parameters);
     let places = Places::new(problem, collision);
     let time_s = at.point.event_times_s[collision.event];
-    let arrive = |arc: usize| Arrival::new(problem, at.point, arc, at.epochs_s[arc], time_s);
+    let arrive = |arc: usize| GeneralArrival::new(problem, at.point, arc, at.epochs_s[arc], time_s);
     let held = collision
         .held
-        .map(|held| Arrival::given(&at.point.held[held]));
-    let before: Vec<Arrival> = collision
+        .map(|held| GeneralArrival::given(&at.point.held[held]));
+    let before: Vec<GeneralArrival> = collision
         .sides
         .iter()
         .map(|side| arrive(side.before))
         .chain(held.map(Some))
         .collect::<Option<_>>()?;
-    let by_state: Vec<ByStates> = before.iter().map(Arrival::by_state).collect();
+    let by_state: Vec<ByStates> = before.iter().map(GeneralArrival::by_state).collect();
     let dynamics = problem.dynamics_at(parameters)?;
     let body = |mechanism: MechanismIndex| {
         let Dynamics::Free(body) = &dynamics[mechanism];
@@ -273,7 +273,7 @@ struct OfModel {
 }
 
 impl OfModel {
-    fn new(by: &ImpactByModel, touching: &Touching, acting: &Acting, value: f64) -> Self {
+    fn new(by: &ImpactByModel, touching: &TouchedPair, acting: &Acting, value: f64) -> Self {
         let mut own = Self::default();
         let side = acting.side.unwrap_or(0);
         match acting.influence {
@@ -302,7 +302,7 @@ impl OfModel {
         own
     }
 
-    fn add_motion(&mut self, by: &ImpactByModel, touching: &Touching, column: usize) {
+    fn add_motion(&mut self, by: &ImpactByModel, touching: &TouchedPair, column: usize) {
         for (contact, motion) in touching.motions.iter().enumerate() {
             let motion = motion.column(column);
             self.gap[contact] = (by.gap_by_place[contact] * motion)[0];

@@ -8,7 +8,7 @@
 use super::kind::{At, Constraint, Filled};
 use super::rows::STATE;
 use crate::estimate::arc_end::ArcEnd;
-use crate::estimate::arrival::{Arrival, ByStates};
+use crate::estimate::arrival::{ByStates, GeneralArrival};
 use crate::estimate::influence::Influence;
 use crate::estimate::layout::Layout;
 use crate::estimate::problem::{ArcGoal, ArcTarget, Problem, unit};
@@ -171,7 +171,8 @@ impl ArcGoal {
         let of = &problem.arcs[self.arc];
         let clock = timing::clock_at(problem, of, self.event);
         let time_s = at.event_time_s(self.event) + clock.map_or(0.0, |clock| parameters[clock]);
-        let arrival = Arrival::new(problem, at.point, self.arc, at.epochs_s[self.arc], time_s)?;
+        let arrival =
+            GeneralArrival::new(problem, at.point, self.arc, at.epochs_s[self.arc], time_s)?;
         let state = &arrival.end.state;
         block.reset(pattern);
         // Derivatives of the rows by the arriving state, and by the centre of mass in body axes.

@@ -4,7 +4,7 @@ use nalgebra::{DVector, Matrix3, Vector3};
 
 use super::bins::{Bins, Six};
 use crate::estimate::context::SolveContext;
-use crate::estimate::observed::Observer;
+use crate::estimate::observed::SampleObserver;
 use crate::estimate::point::Point;
 use crate::estimate::problem::View;
 use crate::physics::Dynamics;
@@ -95,7 +95,7 @@ impl<'a> Design<'a> {
             if !view.is_plain {
                 let flight = (state, context.epochs_s[index]);
                 let (of, at) = ((index, view), (body, &gravity_m_s2));
-                let observer = Observer::new(problem, of, at, flight, &point.parameters);
+                let observer = SampleObserver::new(problem, of, at, flight, &point.parameters);
                 let bins = own.map(|(_, bin)| *bin);
                 return ViewDesign::general(index, view, observer, bins, &point.node_times_s);
             }
@@ -247,7 +247,7 @@ impl ViewDesign {
     fn general(
         arc: usize,
         view: &View,
-        mut observer: Observer,
+        mut observer: SampleObserver,
         bins: impl Iterator<Item = usize>,
         node_times_s: &[f64],
     ) -> Self {

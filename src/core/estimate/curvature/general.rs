@@ -1,5 +1,5 @@
 //! The curvature of residuals that have no short form, `Σ_i r_i ∇²r_i` of the views whose residuals are
-//! [`Observer`]'s and of the pulls on states.
+//! [`SampleObserver`]'s and of the pulls on states.
 //!
 //! It is the derivative of `Jᵀr` less `JᵀJ`, by central differences of the exact `Jᵀr`: where nothing but
 //! the constraints' curvature tells how a body turns, that of the residuals counts as much.
@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::nudged::{Nudged, TIME_STEP_S};
 use crate::estimate::context::SolveContext;
-use crate::estimate::observed::{Observed, Observer};
+use crate::estimate::observed::{Observed, SampleObserver};
 use crate::estimate::point::Point;
 use crate::estimate::problem::View;
 use crate::optimise::envelope::Envelope;
@@ -116,7 +116,7 @@ impl<'a> General<'a> {
         let gravity_m_s2 = problem.gravity(&point.parameters);
         let times_s = point.node_times_s.iter().map(|time_s| time_s + later_s);
         let times_s: Vec<f64> = times_s.collect();
-        let mut observer = Observer::new(
+        let mut observer = SampleObserver::new(
             problem,
             (self.arc, self.view),
             (body, &gravity_m_s2),

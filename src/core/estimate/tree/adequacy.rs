@@ -31,10 +31,10 @@ use nalgebra::{DVector, Vector3};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use self::candidates::{STEP, candidates, change};
-use self::errors::{Errors, Left};
+use self::errors::{Left, TreeErrors};
 use self::linear::Linear;
 use self::linearised::Linearised;
-use self::trial::{Tried, tried};
+use self::trial::{TriedQuantity, tried};
 use super::problem::TreeProblem;
 use crate::motion::{
     Fit, FitUntold, Fits, GoalUnit, JointTree, Observer, Quantity, Scene, Suspect, Tested, WholeFit,
@@ -216,7 +216,12 @@ fn together(mut suspects: Vec<Suspect>) -> Vec<Suspect> {
 }
 
 /// The test of all residuals against white noise; `None` where too few are beyond what the motion may follow.
-fn by_noise(linear: &Linear, errors: &Errors, left: &[Left], followed: usize) -> Option<Tested> {
+fn by_noise(
+    linear: &Linear,
+    errors: &TreeErrors,
+    left: &[Left],
+    followed: usize,
+) -> Option<Tested> {
     let freedom = errors.row_count(linear) as f64 - (followed + linear.rate_rows) as f64;
     let noise_freedom = errors.degrees();
     if freedom < LEAST_FREEDOM || noise_freedom < LEAST_FREEDOM {
@@ -237,9 +242,9 @@ fn by_noise(linear: &Linear, errors: &Errors, left: &[Left], followed: usize) ->
 /// Logarithm of the likelihood of a scene with a quantity free, where a trial led.
 fn evidence_at(
     scene: &Scene,
-    errors: &Errors,
+    errors: &TreeErrors,
     quantity: Quantity,
-    tried: &Tried,
+    tried: &TriedQuantity,
     information: f64,
 ) -> f64 {
     let held = tried.linear.held();

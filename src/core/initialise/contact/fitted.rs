@@ -15,13 +15,13 @@ pub trait Fitted {
 }
 
 /// A collision among fits.
-pub(super) struct View<'a> {
+pub(super) struct FittedView<'a> {
     pub(super) scene: &'a Scene,
     pub(super) event: usize,
     pub(super) fitted: &'a dyn Fitted,
 }
 
-impl View<'_> {
+impl FittedView<'_> {
     pub(super) fn links(&self) -> Vec<LinkIndex> {
         let collision = self.scene.events[self.event].kind.collision();
         collision.map_or_else(Vec::new, |collision| collision.links().collect())

@@ -8,7 +8,7 @@ use crate::physics::State;
 use crate::physics::contact::Frame;
 
 /// The arc fits that end or begin at a collision.
-pub(super) struct Flights<'a> {
+pub(super) struct ContactFlights<'a> {
     pub(super) scene: &'a Scene,
     pub(super) sketch: &'a Sketch,
     pub(super) segments: &'a [Segment],
@@ -16,7 +16,7 @@ pub(super) struct Flights<'a> {
     pub(super) event: usize,
 }
 
-impl Fitted for Flights<'_> {
+impl Fitted for ContactFlights<'_> {
     fn state(&self, link: LinkIndex, is_after: bool, after_s: f64) -> Option<State> {
         if self.scene.is_held(link) {
             let held = (!is_after).then(|| HeldSolid::new(self, link))??;
@@ -66,7 +66,7 @@ impl Fitted for Flights<'_> {
     }
 }
 
-impl Flights<'_> {
+impl ContactFlights<'_> {
     /// What hits.
     fn first_link(&self) -> Option<LinkIndex> {
         let collision = self.scene.events[self.event].kind.collision()?;
@@ -130,7 +130,7 @@ struct HeldSolid<'a> {
 }
 
 impl<'a> HeldSolid<'a> {
-    fn new(view: &Flights<'a>, link: LinkIndex) -> Option<Self> {
+    fn new(view: &ContactFlights<'a>, link: LinkIndex) -> Option<Self> {
         let mut tracks = view.scene.tracks.iter_enumerated();
         let (track, of) = tracks.find(|(_, track)| track.link == link)?;
         let before = view.arc(view.first_link()?, true)?;

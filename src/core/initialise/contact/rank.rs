@@ -1,6 +1,6 @@
 //! The ranking of candidates by fits of the motion about a collision.
 
-use super::fitted::{Fitted, View};
+use super::fitted::{Fitted, FittedView};
 use super::ranking::{Ranking, Reach};
 use super::solids::Solids;
 use crate::motion::{Contacts, LinkIndex, Partner, Scene};
@@ -10,7 +10,7 @@ use crate::physics::contact::Frame;
 ///
 /// There are none where no pair of features may touch.
 pub fn ranked(scene: &Scene, event: usize, fitted: &dyn Fitted) -> Ranking {
-    let view = View {
+    let view = FittedView {
         scene,
         event,
         fitted,
@@ -58,7 +58,7 @@ fn with_surfaces(all: &[Contacts], is_wanted: impl Fn(usize) -> bool) -> Vec<Con
     all.iter().filter(wanted).cloned().collect()
 }
 
-impl View<'_> {
+impl FittedView<'_> {
     /// Gap of contacts with a plane, the lowest of several, averaged over the fits that there are.
     fn gap_m(&self, contacts: &Contacts, link: LinkIndex) -> Option<f64> {
         let states = [false, true].map(|is_after| self.fitted.state(link, is_after, 0.0));

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::fitted::View;
+use super::fitted::FittedView;
 use crate::math::Pose;
 use crate::motion::LinkIndex;
 use crate::physics::contact::{Contact, Frame, Touch};
@@ -17,7 +17,7 @@ const SLACK: f64 = 0.02;
 
 /// Two solids that meet, on the motions by which they do.
 pub(super) struct Solids<'a> {
-    view: &'a View<'a>,
+    view: &'a FittedView<'a>,
     shapes: [&'a Shape; 2],
     solids: [Solid; 2],
     point: Solid,
@@ -28,7 +28,7 @@ pub(super) struct Solids<'a> {
 }
 
 impl<'a> Solids<'a> {
-    pub(super) fn new(view: &'a View<'a>, obstacle: Option<usize>) -> Option<Self> {
+    pub(super) fn new(view: &'a FittedView<'a>, obstacle: Option<usize>) -> Option<Self> {
         let links = view.links();
         let first = *links.first()?;
         let scene = view.scene;

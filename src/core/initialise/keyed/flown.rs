@@ -9,12 +9,12 @@ use crate::physics::State;
 
 /// A flight on its own clock: state at an epoch.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Flown {
+pub(super) struct KeyedFlight {
     pub(super) state: State,
     pub(super) epoch_s: f64,
 }
 
-impl Flown {
+impl KeyedFlight {
     /// The state at a time on its clock.
     pub(super) fn at(&self, scene: &Scene, mechanism: MechanismIndex, time_s: f64) -> State {
         let dynamics = scene.dynamics(mechanism);
@@ -24,7 +24,7 @@ impl Flown {
 
 /// A keyframe.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Key {
+pub(super) struct KeyPose {
     pub(super) acted_s: f64,
     /// Centre of mass [m, world].
     pub(super) position_m: Vector3<f64>,
@@ -34,7 +34,7 @@ pub(super) struct Key {
 /// The keyframes of a flight that are whole poses at known times, where there are two; otherwise all
 /// whole poses, at the times that their places among others suggest. `None` where several tracks see
 /// the flight.
-pub(super) fn keys(sketch: &Sketch, segment: &Segment) -> Option<Vec<Key>> {
+pub(super) fn keys(sketch: &Sketch, segment: &Segment) -> Option<Vec<KeyPose>> {
     let [view] = segment.views.as_slice() else {
         return None;
     };
@@ -44,7 +44,7 @@ pub(super) fn keys(sketch: &Sketch, segment: &Segment) -> Option<Vec<Key>> {
             position_m,
             orientation,
         } => Some((
-            Key {
+            KeyPose {
                 acted_s: sample.acted_s,
                 position_m,
                 orientation,
@@ -53,7 +53,7 @@ pub(super) fn keys(sketch: &Sketch, segment: &Segment) -> Option<Vec<Key>> {
         )),
         _ => None,
     });
-    let whole: Vec<(Key, bool)> = whole.collect();
+    let whole: Vec<(KeyPose, bool)> = whole.collect();
     let is_told = whole.iter().filter(|(_, is_open)| !is_open).count() > 1;
     let keys = whole
         .into_iter()

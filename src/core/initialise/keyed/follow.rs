@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use nalgebra::{SVector, Vector3};
 
-use super::flown::{Flown, Key, Parts, keys, parts};
+use super::flown::{KeyPose, KeyedFlight, Parts, keys, parts};
 use super::turns;
 use crate::initialise::ballistic::{self, Place};
 use crate::initialise::turn::OrientationReading;
@@ -48,11 +48,11 @@ impl Hit {
 }
 
 /// The flights of one mechanism, with their keyframes.
-pub(super) struct Course<'a> {
+pub(super) struct KeyedCourse<'a> {
     pub(super) scene: &'a Scene,
     pub(super) mechanism: MechanismIndex,
     /// Keyframes of each flight.
-    pub(super) samples: Vec<Vec<Key>>,
+    pub(super) samples: Vec<Vec<KeyPose>>,
     /// What else is seen of each flight.
     parts: Vec<Parts>,
     /// Between each flight and the next: what is known of the collision, and its mark \[s\].
@@ -63,7 +63,7 @@ pub(super) struct Course<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Way {
     /// Flights on their own clocks.
-    pub(super) flights: Vec<Flown>,
+    pub(super) flights: Vec<KeyedFlight>,
     /// What their clocks are behind the time line \[s\].
     pub(super) offsets_s: Vec<f64>,
     /// Ends of all flights but the last, on the time line \[s\].
@@ -82,7 +82,7 @@ struct TouchArrival {
     cost: f64,
 }
 
-impl<'a> Course<'a> {
+impl<'a> KeyedCourse<'a> {
     pub(super) fn new(
         scene: &'a Scene,
         sketch: &'a Sketch,
@@ -130,7 +130,7 @@ impl<'a> Course<'a> {
     /// The best motions through all flights; none where a flight's keyframes and its neighbours
     /// lead to none.
     pub(super) fn ways(&self, most: usize, observer: &mut dyn Observer) -> Vec<Way> {
-        let begins = |flown: Flown| Way {
+        let begins = |flown: KeyedFlight| Way {
             flights: vec![flown],
             offsets_s: vec![0.0],
             ends_s: Vec::new(),
@@ -156,9 +156,9 @@ impl<'a> Course<'a> {
     }
 
     /// The first flight, from its first keyframe with these velocities.
-    pub(super) fn begun(&self, velocities: &SVector<f64, 6>) -> Flown {
+    pub(super) fn begun(&self, velocities: &SVector<f64, 6>) -> KeyedFlight {
         let sample = &self.samples[0][0];
-        Flown {
+        KeyedFlight {
             epoch_s: sample.acted_s,
             state: State {
                 position_m: sample.position_m,
@@ -207,14 +207,14 @@ impl<'a> Course<'a> {
     }
 
     /// Gap of the first collision's contact in a flight at a time on its clock \[m\].
-    pub(super) fn gap_m(&self, flown: &Flown, time_s: f64) -> Option<f64> {
+    pub(super) fn gap_m(&self, flown: &KeyedFlight, time_s: f64) -> Option<f64> {
         let hit = self.hits.first()?.0.as_ref()?;
         let state = flown.at(self.scene, self.mechanism, time_s);
         hit.gap_m(&state)
     }
 
     /// Flights through the keyframes of one, if there are two or more.
-    fn alone(&self, flight: usize) -> Vec<Flown> {
+    fn alone(&self, flight: usize) -> Vec<KeyedFlight> {
         let samples = self.samples[flight].as_slice();
         let [first, .., last] = samples else {
             return Vec::new();
@@ -239,7 +239,7 @@ impl<'a> Course<'a> {
         readings.sort_by(|a, b| a.0.total_cmp(&b.0));
         let turns = turns::turns(&body, &readings).into_iter();
         turns
-            .map(|turn| Flown {
+            .map(|turn| KeyedFlight {
                 epoch_s,
                 state: State {
                     position_m: fall.position_m,
@@ -253,7 +253,7 @@ impl<'a> Course<'a> {
 
     /// A way with one more flight: every one through its own keyframes (`alone`), or that into
     /// which the collision leads.
-    fn continued(&self, way: &Way, alone: &[Flown]) -> Vec<Way> {
+    fn continued(&self, way: &Way, alone: &[KeyedFlight]) -> Vec<Way> {
         let next = way.flights.len();
         if alone.is_empty() {
             return vec![self.handed_on(way)];
@@ -295,7 +295,7 @@ impl<'a> Course<'a> {
         let arrival = self.arrival(way).unwrap_or_else(|| self.at_the_mark(way));
         let after = arrival.after.unwrap_or(arrival.before);
         let samples = &self.samples[way.flights.len()];
-        let left = Flown {
+        let left = KeyedFlight {
             state: after,
             epoch_s: 0.0,
         };
@@ -308,7 +308,7 @@ impl<'a> Course<'a> {
             Some(sample) => (sample.acted_s - arrival.time_s, 0.0),
             None => (0.0, 0.0),
         };
-        let flown = Flown {
+        let flown = KeyedFlight {
             state: at(since_s),
             epoch_s: arrival.time_s + since_s - offset_s,
         };
@@ -339,7 +339,7 @@ impl<'a> Course<'a> {
     }
 
     /// Difference of a state from a keyframe, in tolerances.
-    pub(super) fn off(&self, sample: &Key, state: &State) -> SVector<f64, 6> {
+    pub(super) fn off(&self, sample: &KeyPose, state: &State) -> SVector<f64, 6> {
         let shift = (state.position_m - sample.position_m) / TOLERANCES[0];
         let turn = sample.orientation.inverse() * state.orientation;
         let turn = so3::log(&turn) / TOLERANCES[1];
@@ -348,7 +348,7 @@ impl<'a> Course<'a> {
 
     /// Where the last flight of a way meets another on its own clock; physical times, or no known
     /// contact.
-    fn meeting(&self, way: &Way, next: &Flown) -> TouchArrival {
+    fn meeting(&self, way: &Way, next: &KeyedFlight) -> TouchArrival {
         let (flown, offset_s) = way.last();
         let (from_s, to_s) = self.window_s(way);
         let at = |s: f64| flown.at(self.scene, self.mechanism, from_s + s);
@@ -429,7 +429,7 @@ impl<'a> Course<'a> {
         &self,
         hit: &Hit,
         at: &impl Fn(f64) -> State,
-        flown: &Flown,
+        flown: &KeyedFlight,
         from_s: f64,
         to_s: f64,
     ) -> Option<(f64, f64)> {
@@ -472,12 +472,12 @@ impl Way {
         by_cost.then(speed_rad_s(self).total_cmp(&speed_rad_s(other)))
     }
 
-    pub(super) fn last(&self) -> (Flown, f64) {
+    pub(super) fn last(&self) -> (KeyedFlight, f64) {
         let last = self.flights.len() - 1;
         (self.flights[last], self.offsets_s[last])
     }
 
-    fn with(&self, flown: Flown, offset_s: f64, end_s: f64, cost: f64) -> Self {
+    fn with(&self, flown: KeyedFlight, offset_s: f64, end_s: f64, cost: f64) -> Self {
         let mut way = self.clone();
         way.flights.push(flown);
         way.offsets_s.push(offset_s);

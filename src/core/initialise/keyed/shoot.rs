@@ -3,8 +3,8 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 
-use super::flown::Key;
-use super::follow::{Course, Way, up};
+use super::flown::KeyPose;
+use super::follow::{KeyedCourse, Way, up};
 use crate::motion::Observer;
 
 /// Angular speeds of the starts [rad/s], about the axes and diagonals of the body.
@@ -58,7 +58,7 @@ impl ShotWork<'_> {
 }
 
 /// The motions that come nearest to the keyframes, where all impacts are known.
-pub(super) fn ways(course: &Course, most: usize, observer: &mut dyn Observer) -> Vec<Way> {
+pub(super) fn ways(course: &KeyedCourse, most: usize, observer: &mut dyn Observer) -> Vec<Way> {
     let mut work = ShotWork {
         flights: 0,
         observer,
@@ -112,7 +112,7 @@ pub(super) fn ways(course: &Course, most: usize, observer: &mut dyn Observer) ->
 }
 
 /// A shot that goes on into the next flight as it is; none where that is not finite.
-fn led_on(course: &Course, shot: KeyedShot) -> Option<KeyedShot> {
+fn led_on(course: &KeyedCourse, shot: KeyedShot) -> Option<KeyedShot> {
     let way = course.handed_on(&shot.way);
     way.cost.is_finite().then_some(KeyedShot { way, ..shot })
 }
@@ -122,11 +122,11 @@ fn is_new(known: &[KeyedShot], shot: &KeyedShot) -> bool {
     known.all(|other| (other.velocities - shot.velocities).norm() > SAME)
 }
 
-fn first<'a>(course: &'a Course) -> &'a Key {
+fn first<'a>(course: &'a KeyedCourse) -> &'a KeyPose {
     &course.samples[0][0]
 }
 
-fn starts(course: &Course) -> Vec<Six> {
+fn starts(course: &KeyedCourse) -> Vec<Six> {
     let sample = first(course);
     let later = course.samples[1..].iter().find_map(|flight| flight.first());
     let mut spins = vec![Vector3::zeros()];
@@ -173,7 +173,7 @@ fn starts(course: &Course) -> Vec<Six> {
 }
 
 fn shot(
-    course: &Course,
+    course: &KeyedCourse,
     velocities: Six,
     flights: usize,
     work: &mut ShotWork,
@@ -191,7 +191,7 @@ fn shot(
 /// The motion from some velocities over so many flights, and its differences from all keyframes but
 /// the first.
 fn simulated(
-    course: &Course,
+    course: &KeyedCourse,
     velocities: &Six,
     flights: usize,
     work: &mut ShotWork,
@@ -221,7 +221,7 @@ fn simulated(
 }
 
 /// Levenberg and Marquardt's steps, with derivatives by differences.
-fn descend(course: &Course, shot: &mut KeyedShot, steps: usize, work: &mut ShotWork) {
+fn descend(course: &KeyedCourse, shot: &mut KeyedShot, steps: usize, work: &mut ShotWork) {
     for _ in 0..steps {
         if shot.way.cost < EXACT || work.is_over() {
             return;

@@ -34,7 +34,7 @@ pub(super) struct Model {
 }
 
 /// A step of a model.
-pub(super) struct Step {
+pub(super) struct ModelStep {
     pub(super) delta: DVector<f64>,
     /// `ν` of the rows that act,
     pub(super) multipliers: DVector<f64>,
@@ -148,7 +148,7 @@ impl Model {
         DVector::from_iterator(self.rows.len(), self.rows.iter().map(|row| all[row.number]))
     }
 
-    pub(super) fn step(&self, radius: f64) -> Step {
+    pub(super) fn step(&self, radius: f64) -> ModelStep {
         let mut delta = -(&self.inverse * &self.off);
         let length = delta.norm();
         if length > NORMAL * radius {
@@ -167,7 +167,7 @@ impl Model {
             rows.map(|(off, _)| off.abs()).sum()
         };
         let of_cost = -(self.gradient.dot(&delta) + 0.5 * curved.dot(&delta));
-        Step {
+        ModelStep {
             predicted: of_cost + price * (sum(&self.off) - sum(&left)),
             price,
             multipliers,

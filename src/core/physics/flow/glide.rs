@@ -129,7 +129,7 @@ pub(super) type Change = SMatrix<f64, 3, 8>;
 
 /// The motion between two steps.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
+pub(super) struct GlideNode {
     /// Way from the start [m, world].
     pub way_m: Vector3<f64>,
     /// Velocity [m/s, world].
@@ -148,7 +148,7 @@ pub(super) struct NodeChange {
 pub(super) struct Glide {
     pull_m_s2: Vector3<f64>,
     drag: Drag,
-    start: Node,
+    start: GlideNode,
     /// Nodes after the start, and before it.
     sides: [GlideSide; 2],
 }
@@ -156,7 +156,7 @@ pub(super) struct Glide {
 /// Nodes in one direction of time, the first of which is the start.
 #[derive(Clone, Debug, Default)]
 struct GlideSide {
-    nodes: Vec<Node>,
+    nodes: Vec<GlideNode>,
     /// Of as many of the nodes as were asked for.
     changes: Vec<NodeChange>,
 }
@@ -166,7 +166,7 @@ impl Glide {
         Self {
             pull_m_s2,
             drag,
-            start: Node {
+            start: GlideNode {
                 way_m: Vector3::zeros(),
                 velocity_m_s: *velocity_m_s,
             },
@@ -175,14 +175,14 @@ impl Glide {
     }
 
     /// Way and velocity after `duration_s` (negative: before).
-    pub(super) fn at(&mut self, duration_s: f64) -> Node {
+    pub(super) fn at(&mut self, duration_s: f64) -> GlideNode {
         let (side, whole, rest_s) = self.reach(duration_s);
         let node = &self.sides[side].nodes[whole];
         node.after(&self.stages(node, rest_s), rest_s)
     }
 
     /// The same with derivatives.
-    pub(super) fn at_with_change(&mut self, duration_s: f64) -> (Node, NodeChange) {
+    pub(super) fn at_with_change(&mut self, duration_s: f64) -> (GlideNode, NodeChange) {
         let (side, whole, rest_s) = self.reach(duration_s);
         let step_s = STEP_S.copysign(duration_s);
         while self.sides[side].changes.len() <= whole {
@@ -222,7 +222,7 @@ impl Glide {
     }
 
     /// Velocities and accelerations at the stages of a step; not numbers beyond [`MOST_RATE`].
-    fn stages(&self, from: &Node, step_s: f64) -> [[Vector3<f64>; 2]; STAGES] {
+    fn stages(&self, from: &GlideNode, step_s: f64) -> [[Vector3<f64>; 2]; STAGES] {
         let rate = self.drag.rate_per_s(&from.velocity_m_s) * STEP_S;
         if !(rate <= MOST_RATE) {
             return [[Vector3::repeat(f64::NAN); 2]; STAGES];
@@ -284,7 +284,7 @@ impl NodeChange {
     }
 }
 
-impl Node {
+impl GlideNode {
     /// The node after a step with these stages.
     fn after(&self, stages: &[[Vector3<f64>; 2]; STAGES], step_s: f64) -> Self {
         let mut after = *self;

@@ -6,7 +6,7 @@ use super::error::ImpactError;
 use super::law::{Impact, Law, Side};
 use super::model::ImpactByModel;
 use super::plane;
-use super::solution::Solution;
+use super::solution::ImpactSolution;
 
 impl ContactSet {
     /// The impact of A with B, or with the static world.
@@ -16,7 +16,7 @@ impl ContactSet {
     /// has a result. Panics where the law has friction or tilt and the contact set admits none.
     pub fn impact(&self, a: &Side, b: Option<&Side>, law: &Law) -> Result<Impact, ImpactError> {
         self.check_law(law);
-        Ok(Solution::new(self, a, b, law)?.impact())
+        Ok(ImpactSolution::new(self, a, b, law)?.impact())
     }
 
     /// [`ContactSet::impact`] with its derivatives, into `derivative`. Only entries for existing
@@ -36,7 +36,7 @@ impl ContactSet {
         {
             return Ok(point.derivative(a, law, derivative));
         }
-        let solution = Solution::new(self, a, b, law)?;
+        let solution = ImpactSolution::new(self, a, b, law)?;
         solution.derivative(derivative)?;
         Ok(solution.impact())
     }
@@ -52,7 +52,7 @@ impl ContactSet {
         law: &Law,
     ) -> Result<ImpactByModel, ImpactError> {
         self.check_law(law);
-        Solution::new(self, a, b, law)?.by_model()
+        ImpactSolution::new(self, a, b, law)?.by_model()
     }
 
     fn check_law(&self, law: &Law) {

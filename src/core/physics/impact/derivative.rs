@@ -6,7 +6,7 @@ use super::contact_state::{ContactState, PoseChange};
 use super::error::ImpactError;
 use super::law::MOST_CONTACTS;
 use super::rows::Change;
-use super::solution::Solution;
+use super::solution::ImpactSolution;
 use crate::physics::state::part;
 
 /// Derivatives of an [`Impact`](super::Impact). Columns of a state are those of
@@ -54,7 +54,7 @@ impl Default for ImpactDerivative {
     }
 }
 
-impl Solution<'_> {
+impl ImpactSolution<'_> {
     /// Sets the entries for existing contacts and bodies.
     pub(super) fn derivative(&self, derivative: &mut ImpactDerivative) -> Result<(), ImpactError> {
         let mut rates = [const { None }; MOST_CONTACTS];

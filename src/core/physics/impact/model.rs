@@ -7,7 +7,7 @@ use super::contact_state::{ContactState, PoseChange};
 use super::error::ImpactError;
 use super::law::MOST_CONTACTS;
 use super::rows::Change;
-use super::solution::Solution;
+use super::solution::ImpactSolution;
 use crate::math::so3;
 use crate::physics::contact::TouchDerivative;
 
@@ -62,7 +62,7 @@ impl ImpactByModel {
     }
 }
 
-impl Solution<'_> {
+impl ImpactSolution<'_> {
     pub(super) fn by_model(&self) -> Result<ImpactByModel, ImpactError> {
         let mut rates = Vec::with_capacity(MOST_CONTACTS);
         for (contact, state) in self.states().enumerate() {

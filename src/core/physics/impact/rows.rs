@@ -20,7 +20,7 @@ pub(super) const ROWS: usize = 3;
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
 /// `J` and `M⁻¹`. The static world is a body of infinite mass at rest.
-pub(super) struct Rows {
+pub(super) struct ImpactRows {
     /// Number of bodies that move: one or two.
     pub(super) bodies: usize,
     directions: [Vector3<f64>; ROWS],
@@ -38,7 +38,7 @@ pub(super) struct RowsChange<const C: usize> {
     pub(super) levers: [[Change<C>; ROWS]; 2],
 }
 
-impl Rows {
+impl ImpactRows {
     /// The bodies, with all rows zero.
     pub(super) fn new(a: &Side, b: Option<&Side>) -> Self {
         Self {

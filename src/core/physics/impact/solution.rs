@@ -8,7 +8,7 @@ use super::coulomb::{Coulomb, CoulombChange};
 use super::error::ImpactError;
 use super::law::{Impact, Law, MOST_CONTACTS, Side, Velocities};
 use super::newton::Newton;
-use super::rows::{Change, Rows, RowsChange};
+use super::rows::{Change, ImpactRows, RowsChange};
 use crate::math::so3;
 use crate::physics::contact::Frame;
 
@@ -25,18 +25,18 @@ enum SolvedContact {
 }
 
 /// An impact solved for its impulses.
-pub(super) struct Solution<'a> {
+pub(super) struct ImpactSolution<'a> {
     states: [Option<ContactState<'a>>; MOST_CONTACTS],
     /// Frames of A and of B.
     pub(super) frames: [Frame; 2],
-    pub(super) rows: Rows,
+    pub(super) rows: ImpactRows,
     pub(super) before: [Velocities; 2],
     solved: SolvedContact,
     /// Along the rows [N s].
     impulses: Vector3<f64>,
 }
 
-impl<'a> Solution<'a> {
+impl<'a> ImpactSolution<'a> {
     pub(super) fn new(
         contacts: &'a ContactSet,
         a: &Side,
@@ -53,7 +53,7 @@ impl<'a> Solution<'a> {
             b.map_or_else(Velocities::default, |b| Velocities::of(b.state)),
         ];
         let mut states = [const { None }; MOST_CONTACTS];
-        let mut rows = Rows::new(a, b);
+        let mut rows = ImpactRows::new(a, b);
         for (index, contact) in contacts.as_slice().iter().enumerate() {
             let touch = contact.touch(&frames[0], &frames[1]).map_err(|reason| {
                 ImpactError::Degenerate {

@@ -24,7 +24,7 @@ use nalgebra::Vector3;
 use super::articulated::LANES;
 use super::field::{Field, twist};
 use super::kinematics::Root;
-use super::model::{Motor, Node, Tree};
+use super::model::{Motor, Tree, TreeNode};
 use super::spatial::{Force, Gyration, Inertia, Motion};
 use crate::math::so3;
 
@@ -178,7 +178,7 @@ impl Change {
     }
 
     /// Less the change of the moments of dampers and springs.
-    fn passive(&mut self, tree: &Tree, node: &Node, coordinates: &[f64]) {
+    fn passive(&mut self, tree: &Tree, node: &TreeNode, coordinates: &[f64]) {
         let (stride, turned) = (self.stride, tree.first_turned());
         for column in node.columns() {
             self.rows[column * stride + tree.columns - turned + column] += node.damping_n_m_s;

@@ -4,7 +4,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::articulated::Articulated;
 use super::kinematics::{Kinematics, Root};
-use super::model::{Motor, Node, Tree};
+use super::model::{Motor, Tree, TreeNode};
 use super::spatial::{Force, Inertia, Motion};
 use super::state::quaternion;
 use crate::math::so3;
@@ -81,7 +81,7 @@ impl Field {
 
     /// Velocity and acceleration of what a node hangs from.
     #[inline(always)]
-    pub fn above(&self, node: &Node, root: &Root) -> (Motion, Motion) {
+    pub fn above(&self, node: &TreeNode, root: &Root) -> (Motion, Motion) {
         match node.parent {
             Some(parent) => (
                 self.kinematics.velocities[parent],
@@ -100,7 +100,7 @@ impl Field {
 
 /// Moments of dampers and springs: `−d u − k (q − q₀)`.
 #[inline(always)]
-fn passive(node: &Node, coordinates: &[f64], rates: &[f64], moments: &mut [f64]) {
+fn passive(node: &TreeNode, coordinates: &[f64], rates: &[f64], moments: &mut [f64]) {
     for column in node.columns() {
         moments[column] = -node.damping_n_m_s * rates[column];
     }

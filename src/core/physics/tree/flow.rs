@@ -55,7 +55,7 @@ pub struct Flow<'t> {
     step_number: usize,
     pub(super) begun_s: f64,
     pub(super) share: f64,
-    pub(super) start: Start,
+    pub(super) start: FlowStart,
     /// Time since the start \[s\].
     pub(super) elapsed_s: f64,
     pub(super) centre: Centre,
@@ -63,7 +63,7 @@ pub struct Flow<'t> {
 
 /// What is kept of the start.
 #[derive(Clone, Debug)]
-pub(super) struct Start {
+pub(super) struct FlowStart {
     pub state: Vec<f64>,
     pub time_s: f64,
     pub rotation: nalgebra::Matrix3<f64>,
@@ -108,7 +108,7 @@ impl<'t> Flow<'t> {
             step_number: 0,
             begun_s: 0.0,
             share: 0.0,
-            start: Start {
+            start: FlowStart {
                 state: vec![0.0; size],
                 time_s: 0.0,
                 rotation: nalgebra::Matrix3::identity(),

@@ -37,7 +37,7 @@ pub(super) enum Motor {
 
 /// What moves as one rigid body.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Node {
+pub(super) struct TreeNode {
     /// Its parent's place; none: the world, or what a free base translates with.
     pub parent: Option<usize>,
     pub motor: Motor,
@@ -55,7 +55,7 @@ pub(super) struct Node {
     pub limits_rad: [f64; 2],
 }
 
-impl Node {
+impl TreeNode {
     /// Its columns: one per rate.
     pub fn columns(&self) -> std::ops::Range<usize> {
         self.column..self.column + if self.motor == Motor::Pin { 1 } else { 3 }
@@ -77,7 +77,7 @@ impl Node {
 /// quaternion's by right perturbation), then changes of rates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree {
-    pub(super) nodes: Vec<Node>,
+    pub(super) nodes: Vec<TreeNode>,
     /// Each link's node (none: it is fixed to the world or to the hand) and its pose in the node's frame.
     pub(super) links: Vec<(Option<usize>, Pose)>,
     /// Each link's own nodes: those of the joint from which it hangs.
@@ -188,7 +188,7 @@ impl Tree {
         axis: usize,
     ) -> usize {
         let joint = &link.joint;
-        self.nodes.push(Node {
+        self.nodes.push(TreeNode {
             parent,
             motor,
             rotation: so3::matrix(&pose.rotation),
@@ -246,7 +246,7 @@ impl Tree {
     /// joint from which a link hangs; `None` of another joint.
     pub fn angles_of(&self, link: usize) -> Option<[std::ops::Range<usize>; 2]> {
         let nodes = self.joints[link].clone();
-        let is_pin = |node: &Node| node.motor == Motor::Pin;
+        let is_pin = |node: &TreeNode| node.motor == Motor::Pin;
         let pins = &self.nodes[nodes];
         let (first, last) = (pins.first()?, pins.last()?);
         pins.iter().all(is_pin).then(|| {

@@ -1,7 +1,7 @@
 //! What is known of a take before remedies are tried.
 
-use super::fall::Fall;
-use super::motion::Flight;
+use super::fall::SeenFall;
+use super::motion::TriedFlight;
 use crate::motion::{SampleSource, Scene, TakeEvent, Timing, TrackIndex};
 
 /// What is known of a take.
@@ -9,16 +9,16 @@ pub(super) struct Facts<'a> {
     pub(super) scene: &'a Scene,
     pub(super) events: &'a [TakeEvent],
     /// Ways in which the flights may fall.
-    pub(super) falls: Vec<Fall>,
+    pub(super) falls: Vec<SeenFall>,
     /// The flights with physical times, if they are known.
-    pub(super) flights: Vec<Flight>,
+    pub(super) flights: Vec<TriedFlight>,
     /// The flights at their stamps, whatever these mean.
-    pub(super) seen: Vec<Flight>,
+    pub(super) seen: Vec<TriedFlight>,
 }
 
 impl Facts<'_> {
     /// An acceleration of the flights over gravity; `None` where there is none to compare.
-    pub(super) fn pull(&self, fall: &Fall) -> Option<f64> {
+    pub(super) fn pull(&self, fall: &SeenFall) -> Option<f64> {
         let gravity_m_s2 = self.scene.gravity_m_s2.norm();
         let pull_m_s2 = fall.acceleration_m_s2.norm();
         (gravity_m_s2 > 0.0 && pull_m_s2 > 0.0).then(|| pull_m_s2 / gravity_m_s2)

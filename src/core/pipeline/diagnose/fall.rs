@@ -19,7 +19,7 @@ const LEAST: usize = 5;
 
 /// What the streams show, in their own axes and units.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Fall {
+pub(super) struct SeenFall {
     /// Acceleration of the flights.
     pub(super) acceleration_m_s2: Vector3<f64>,
     /// Whether every stamp is a whole number of seconds after the first.
@@ -28,11 +28,11 @@ pub(super) struct Fall {
 
 /// The fall of the flights between the marks, with the mounts as given and with any others; none where no
 /// flight has enough samples.
-pub(super) fn falls(scene: &Scene, events: &[TakeEvent]) -> Vec<Fall> {
+pub(super) fn falls(scene: &Scene, events: &[TakeEvent]) -> Vec<SeenFall> {
     fallen(scene, events).unwrap_or_default()
 }
 
-fn fallen(scene: &Scene, events: &[TakeEvent]) -> Option<Vec<Fall>> {
+fn fallen(scene: &Scene, events: &[TakeEvent]) -> Option<Vec<SeenFall>> {
     let mut cuts: Vec<Stamp> = events
         .iter()
         .filter_map(|event| match event {
@@ -116,7 +116,7 @@ fn fallen(scene: &Scene, events: &[TakeEvent]) -> Option<Vec<Fall>> {
     let falls = [given, freed].into_iter().filter_map(|sums| {
         let acceleration_m_s2 = sums.information.try_inverse()? * sums.pull;
         let is_finite = acceleration_m_s2.iter().all(|x| x.is_finite());
-        is_finite.then_some(Fall {
+        is_finite.then_some(SeenFall {
             acceleration_m_s2,
             is_whole_seconds,
         })

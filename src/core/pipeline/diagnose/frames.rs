@@ -1,7 +1,7 @@
 //! Axes: which way is up.
 
 use super::facts::Facts;
-use super::fall::Fall;
+use super::fall::SeenFall;
 use super::remedied::upright;
 use crate::motion::{Remedy, SignedAxis};
 
@@ -9,14 +9,14 @@ use crate::motion::{Remedy, SignedAxis};
 const ALIGNED: f64 = 0.707;
 
 /// Whether the flights fall about as gravity points.
-pub(super) fn is_upright(facts: &Facts, fall: &Fall) -> bool {
+pub(super) fn is_upright(facts: &Facts, fall: &SeenFall) -> bool {
     let gravity_m_s2 = &facts.scene.gravity_m_s2;
     let along = fall.acceleration_m_s2.dot(gravity_m_s2);
     along >= ALIGNED * fall.acceleration_m_s2.norm() * gravity_m_s2.norm()
 }
 
 /// Another axis up, in the streams or in the scene's gravity.
-pub(super) fn remedies(facts: &Facts, fall: &Fall) -> Vec<Remedy> {
+pub(super) fn remedies(facts: &Facts, fall: &SeenFall) -> Vec<Remedy> {
     let gravity_m_s2 = &facts.scene.gravity_m_s2;
     let up = SignedAxis::along(&-fall.acceleration_m_s2);
     let (Some(axis), false) = (up, is_upright(facts, fall)) else {

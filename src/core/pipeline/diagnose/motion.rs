@@ -17,7 +17,7 @@ const TIMED: f64 = 1.05;
 const UNTIMED: f64 = 2.0;
 
 /// A motion of the take as it is said to be, or with a remedy.
-pub(super) struct Motion {
+pub(super) struct TriedMotion {
     pub(super) scene: Scene,
     pub(super) sketch: Sketch,
     pub(super) estimate: Estimate,
@@ -30,7 +30,7 @@ pub(super) struct Motion {
 
 /// Samples of a flight with their physical times \[s\].
 #[derive(Clone)]
-pub(super) struct Flight {
+pub(super) struct TriedFlight {
     pub(super) track: TrackIndex,
     pub(super) readings: Vec<(f64, Sample)>,
     /// The orientation that the scene asks where it ends.
@@ -42,13 +42,13 @@ pub(super) fn flights_by_stamps(
     scene: &Scene,
     events: &[TakeEvent],
     budget: &mut Budget,
-) -> Vec<Flight> {
+) -> Vec<TriedFlight> {
     budget.prepare();
     let prepared = Prepared::new(scene, events, &mut ());
     let Ok(prepared) = prepared else {
         return Vec::new();
     };
-    let flights = prepared.flights().map(|(track, samples, end)| Flight {
+    let flights = prepared.flights().map(|(track, samples, end)| TriedFlight {
         track,
         readings: samples.iter().map(|s| (s.acted_s, *s)).collect(),
         goal: end.and_then(|event| prepared.asked(track, event)),
@@ -56,7 +56,7 @@ pub(super) fn flights_by_stamps(
     flights.collect()
 }
 
-impl Motion {
+impl TriedMotion {
     /// Estimates a take; `None` where no motion closes its gaps, or where its flights are further than
     /// `farthest` from their samples even one by one, in the scene's weights.
     pub(super) fn of(
@@ -108,7 +108,7 @@ impl Motion {
     }
 
     /// Its flights at its own times.
-    pub(super) fn flights(&self) -> Vec<Flight> {
+    pub(super) fn flights(&self) -> Vec<TriedFlight> {
         let mut times = self.estimate.sample_times.iter();
         let residuals = self.estimate.residuals.iter();
         residuals
@@ -119,7 +119,7 @@ impl Motion {
                     let at = samples.binary_search_by_key(&time.stamp, |sample| sample.stamp);
                     Some((time.time_s, samples[at.ok()?]))
                 });
-                Flight {
+                TriedFlight {
                     track: residual.track,
                     readings: readings.collect(),
                     goal: None,

@@ -12,7 +12,7 @@
 use nalgebra::{Matrix3, SymmetricEigen, Translation3, Vector3};
 
 use super::facts::Facts;
-use super::motion::{Flight, Motion};
+use super::motion::{TriedFlight, TriedMotion};
 use super::turned::mounts;
 use crate::math::Pose;
 use crate::math::so3::{exp, log};
@@ -124,7 +124,7 @@ fn elsewhere(facts: &Facts, track: TrackIndex, turned: &Pose) -> Option<Pose> {
 }
 
 /// A mount turned so that what is seen of a flight is, in the mean, as the motion has it.
-pub(super) fn aligned(motion: &Motion, track: TrackIndex) -> Option<Pose> {
+pub(super) fn aligned(motion: &TriedMotion, track: TrackIndex) -> Option<Pose> {
     let (scene, estimate) = (&motion.scene, &motion.estimate);
     let mechanism = scene.mechanism_seen_by(track);
     let dynamics = scene.dynamics(mechanism);
@@ -154,7 +154,7 @@ pub(super) fn aligned(motion: &Motion, track: TrackIndex) -> Option<Pose> {
 
 /// The mount with the offset that fits flights best; `None` where the body turns in none of the track, and
 /// where the mount as it is fits as well.
-pub(super) fn fitted(scene: &Scene, flights: &[Flight], track: TrackIndex) -> Option<Pose> {
+pub(super) fn fitted(scene: &Scene, flights: &[TriedFlight], track: TrackIndex) -> Option<Pose> {
     let (eigen, right, count) = normal(scene, flights, track);
     let mut offset_m = Vector3::zeros();
     for (value, axis) in eigen
@@ -173,7 +173,11 @@ pub(super) fn fitted(scene: &Scene, flights: &[Flight], track: TrackIndex) -> Op
 }
 
 /// Axes of the body along which flights do not show an offset.
-pub(super) fn unseen(scene: &Scene, flights: &[Flight], track: TrackIndex) -> Vec<Vector3<f64>> {
+pub(super) fn unseen(
+    scene: &Scene,
+    flights: &[TriedFlight],
+    track: TrackIndex,
+) -> Vec<Vector3<f64>> {
     let (eigen, _, count) = normal(scene, flights, track);
     let axes = eigen
         .eigenvalues
@@ -186,7 +190,7 @@ pub(super) fn unseen(scene: &Scene, flights: &[Flight], track: TrackIndex) -> Ve
 /// Normal equations of `δ`, and the number of samples.
 fn normal(
     scene: &Scene,
-    flights: &[Flight],
+    flights: &[TriedFlight],
     track: TrackIndex,
 ) -> (SymmetricEigen<f64, nalgebra::U3>, Vector3<f64>, f64) {
     let (mut normal, mut right, mut count) = (Matrix3::zeros(), Vector3::zeros(), 0.0);

@@ -3,7 +3,7 @@
 //! Flights stamped `k` times too far apart fall with `g/k²`.
 
 use super::facts::Facts;
-use super::fall::Fall;
+use super::fall::SeenFall;
 use super::frames::is_upright;
 use crate::motion::Remedy;
 
@@ -24,7 +24,7 @@ const RATES_HZ: [f64; 18] = [
 ];
 
 /// Other meanings of the stamps.
-pub(super) fn remedies(facts: &Facts, fall: &Fall) -> Vec<Remedy> {
+pub(super) fn remedies(facts: &Facts, fall: &SeenFall) -> Vec<Remedy> {
     let Some(pull) = facts.pull(fall).filter(|_| is_upright(facts, fall)) else {
         return Vec::new();
     };

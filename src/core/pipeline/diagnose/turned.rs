@@ -16,7 +16,7 @@
 use nalgebra::{Matrix3, Matrix6, SMatrix, SymmetricEigen, UnitQuaternion, Vector3, Vector6};
 
 use super::facts::Facts;
-use super::motion::Flight;
+use super::motion::TriedFlight;
 use crate::math::Pose;
 use crate::math::so3::{exp, log, matrix};
 use crate::motion::{Quantity, Sees, TrackIndex};
@@ -87,7 +87,7 @@ fn symmetry(moments: &Vector3<f64>) -> TurnSymmetry {
 }
 
 /// The turn that brings what is taken for the body at the end of a flight to the pose that the scene asks there.
-fn by_goal(flight: &Flight) -> Option<UnitQuaternion<f64>> {
+fn by_goal(flight: &TriedFlight) -> Option<UnitQuaternion<f64>> {
     let (_, last) = flight.readings.last()?;
     Some(flight.goal?.inverse() * last.seen.orientation()?)
 }
@@ -218,7 +218,7 @@ struct Bend {
 
 impl Bend {
     /// `None` where the flight has too few readings.
-    fn of(flight: &Flight, is_timed: bool) -> Option<Self> {
+    fn of(flight: &TriedFlight, is_timed: bool) -> Option<Self> {
         let turns: Vec<(f64, UnitQuaternion<f64>)> = flight
             .readings
             .iter()
@@ -293,7 +293,7 @@ mod tests {
     use crate::motion::{Sample, Stamp};
 
     /// A free flight of a body with these moments, as it is seen in axes turned by `turn`.
-    fn flight(moments: Vector3<f64>, turn: &UnitQuaternion<f64>) -> Flight {
+    fn flight(moments: Vector3<f64>, turn: &UnitQuaternion<f64>) -> TriedFlight {
         let mut spin = Vector3::new(7.0, -5.0, 4.0);
         let mut at = UnitQuaternion::from_euler_angles(0.3, -1.0, 0.5);
         let step_s = 1e-5;
@@ -308,7 +308,7 @@ mod tests {
             spin += momentum.cross(&spin).component_div(&moments) * step_s;
             at *= exp(&(spin * step_s));
         }
-        Flight {
+        TriedFlight {
             track: TrackIndex(0),
             readings,
             goal: None,

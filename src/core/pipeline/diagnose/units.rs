@@ -4,7 +4,7 @@
 //! Flights in a unit of `l` metres fall with `g/l`; in acted time `c` times slower with `g/(l c²)`.
 
 use super::facts::Facts;
-use super::fall::Fall;
+use super::fall::SeenFall;
 use crate::motion::{LengthUnit, Remedy};
 
 /// Units in which trackers deliver positions.
@@ -24,7 +24,7 @@ const SLOW: f64 = 150.0;
 const LARGEST_M: f64 = 1.5;
 
 /// Other units of the streams.
-pub(super) fn of_streams(facts: &Facts, fall: &Fall) -> Vec<Remedy> {
+pub(super) fn of_streams(facts: &Facts, fall: &SeenFall) -> Vec<Remedy> {
     let Some(pull) = facts.pull(fall) else {
         return Vec::new();
     };

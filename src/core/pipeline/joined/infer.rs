@@ -8,7 +8,7 @@
 //! optimum, or not tried, is a rival that is not ruled out, and the estimate says so.
 
 use super::rivals::Standings;
-use super::tried::{Came, Field, Tried};
+use super::tried::{Came, Tried, TriedField};
 use crate::estimate::tree::{Before, TreeProblem};
 use crate::initialise::{self, contact};
 use crate::motion::{Contacts, Counters, LinkIndex, Observer, Phase, Scene, Sketch};
@@ -148,7 +148,7 @@ impl Ranked {
 /// The motion with the contacts that fit best of those that are likely, and the work of finding it.
 pub(super) fn infer(
     ranked: &Ranked,
-    field: &Field,
+    field: &TriedField,
     observer: &mut dyn Observer,
 ) -> (Tried, SearchWork) {
     let choices = ranked.choices();

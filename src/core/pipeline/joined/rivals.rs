@@ -1,6 +1,6 @@
 //! Motions of joined bodies with one choice of contacts or another, and which of them is kept.
 
-use super::tried::{Came, Field, Tried};
+use super::tried::{Came, Tried, TriedField};
 use crate::motion::{ContactRival, Contacts, Counters, Observer, Standing};
 
 /// What every open collision touches with.
@@ -53,7 +53,7 @@ impl Standings {
     ///
     /// # Panics
     /// Where no choice led to a motion, be it none that has ended.
-    pub(super) fn best(mut self, field: &Field, observer: &mut dyn Observer) -> Tried {
+    pub(super) fn best(mut self, field: &TriedField, observer: &mut dyn Observer) -> Tried {
         let (at, _) = self.best_at().expect("one was tried as if it were named");
         let (choice, came) = self.all.swap_remove(at);
         let Came::Tried(best) = came else {

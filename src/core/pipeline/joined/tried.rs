@@ -12,7 +12,7 @@ use crate::verify;
 const ALIKE: f64 = 3.0;
 
 /// What all choices are tried for.
-pub(super) struct Field<'a> {
+pub(super) struct TriedField<'a> {
     /// The scene, with its open collisions.
     pub(super) scene: &'a Scene,
     /// The performance.
@@ -43,7 +43,7 @@ pub(super) enum Came {
     Left,
 }
 
-impl Field<'_> {
+impl TriedField<'_> {
     /// The motion of a scene whose contacts are known, as it is found where the scene names them.
     pub(super) fn named(&self, scene: Scene, observer: &mut dyn Observer) -> Tried {
         let (problem, starts) = self.problem(&scene);

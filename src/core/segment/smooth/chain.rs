@@ -38,7 +38,7 @@ pub(super) trait Chain: Clone {
 
 /// Place, velocity, acceleration.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct PlaceChain {
     pub(super) position_m: Vector3<f64>,
     pub(super) velocity_m_s: Vector3<f64>,
     pub(super) acceleration_m_s2: Vector3<f64>,
@@ -46,7 +46,7 @@ pub(super) struct Place {
 
 /// Orientation, angular velocity, angular acceleration.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Turn {
+pub(super) struct TurnChain {
     pub(super) orientation: UnitQuaternion<f64>,
     pub(super) spin_rad_s: Vector3<f64>,
     pub(super) spin_rate_rad_s2: Vector3<f64>,
@@ -74,7 +74,7 @@ fn transition(first: [Matrix3<f64>; 3], duration_s: f64) -> Nines {
     by
 }
 
-impl Chain for Place {
+impl Chain for PlaceChain {
     type Reading = Vector3<f64>;
 
     fn begin(first: &Vector3<f64>, next: &Vector3<f64>, after_s: f64) -> Self {
@@ -122,7 +122,7 @@ impl Chain for Place {
     }
 }
 
-impl Chain for Turn {
+impl Chain for TurnChain {
     type Reading = UnitQuaternion<f64>;
 
     fn begin(first: &UnitQuaternion<f64>, next: &UnitQuaternion<f64>, after_s: f64) -> Self {
@@ -204,7 +204,7 @@ mod tests {
     fn errors_grow_as_the_chains_do() {
         let vector = |x: f64, y: f64, z: f64| Vector3::new(x, y, z);
         check(
-            &Place {
+            &PlaceChain {
                 position_m: vector(0.1, 0.2, -0.3),
                 velocity_m_s: vector(3.0, -1.0, 2.0),
                 acceleration_m_s2: vector(10.0, 30.0, -20.0),
@@ -214,7 +214,7 @@ mod tests {
         // With an acceleration, to the order of the step only.
         for (spin_rate, exact_to) in [(0.0, 2e-4), (30.0, 4e-3)] {
             check(
-                &Turn {
+                &TurnChain {
                     orientation: so3::exp(&vector(0.3, -0.9, 1.1)),
                     spin_rad_s: vector(5.0, -8.0, 3.0),
                     spin_rate_rad_s2: vector(1.0, 0.5, -1.0) * spin_rate,

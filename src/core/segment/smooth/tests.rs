@@ -121,7 +121,7 @@ fn it_is_the_least_squares_of_samples_and_jerks() {
         reading: 1e-4,
         jerk: 1e3,
     };
-    let smoothed = filter::smooth::<Place>(&timed, &noises);
+    let smoothed = filter::smooth::<PlaceChain>(&timed, &noises);
     // One axis of the same as a dense system: unknowns are value, rate, acceleration at each time.
     let count = times_s.len();
     let mut information = nalgebra::DMatrix::<f64>::zeros(3 * count, 3 * count);
@@ -156,7 +156,7 @@ fn it_is_the_least_squares_of_samples_and_jerks() {
     let covariance = information.try_inverse().unwrap();
     let mean = &covariance * pull;
     for (k, believed) in smoothed.iter().enumerate() {
-        let nine: Nine = believed.chain.minus(&Place {
+        let nine: Nine = believed.chain.minus(&PlaceChain {
             position_m: Vector3::zeros(),
             velocity_m_s: Vector3::zeros(),
             acceleration_m_s2: Vector3::zeros(),

@@ -9,14 +9,14 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use super::flights::Flight;
+use super::flights::CredibleFlight;
 use crate::motion::{Estimate, Scene};
 use crate::physics::flow::Fall;
 use crate::physics::{Body, Dynamics};
 
 /// Sums over flights that have enough samples.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Alone {
+pub(super) struct FlightsAlone {
     /// Number of readings.
     pub(super) samples: f64,
     /// Residual sum of squares of the whole motion \[m²\].
@@ -38,8 +38,8 @@ pub(super) struct Alone {
 /// Least number of readings of a flight.
 pub(super) const LEAST: usize = 6;
 
-impl Alone {
-    pub(super) fn new(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> Self {
+impl FlightsAlone {
+    pub(super) fn new(scene: &Scene, estimate: &Estimate, flights: &[CredibleFlight]) -> Self {
         let mut sums = Self::default();
         for flight in flights.iter().filter(|f| f.readings.len() >= LEAST) {
             if let Some(fit) = fitted(scene, estimate, flight) {
@@ -59,7 +59,7 @@ impl Alone {
         self.pull / self.pull_weight
     }
 
-    fn add(&mut self, flight: &Flight, gravity_m_s2: &Vector3<f64>, fit: &Fit) {
+    fn add(&mut self, flight: &CredibleFlight, gravity_m_s2: &Vector3<f64>, fit: &AloneFit) {
         let count = flight.readings.len() as f64;
         let readings = flight.readings.iter();
         let alone_m2: f64 = fit.left.iter().map(Vector3::norm_squared).sum();
@@ -79,7 +79,7 @@ impl Alone {
 }
 
 /// One flight fitted alone.
-pub(super) struct Fit {
+pub(super) struct AloneFit {
     /// Residuals of the free flight \[m\], reading by reading.
     pub(super) left: Vec<Vector3<f64>>,
     /// Acceleration beyond that of the free flight that fits best [m/s²].
@@ -91,7 +91,11 @@ pub(super) struct Fit {
 }
 
 /// Fits a flight alone; `None` where the readings' times do not determine it.
-pub(super) fn fitted(scene: &Scene, estimate: &Estimate, flight: &Flight) -> Option<Fit> {
+pub(super) fn fitted(
+    scene: &Scene,
+    estimate: &Estimate,
+    flight: &CredibleFlight,
+) -> Option<AloneFit> {
     let Dynamics::Free(body) = scene.dynamics(flight.arc.mechanism);
     if body.is_ballistic() {
         ballistic(flight, &body.pull_m_s2(&estimate.gravity_m_s2))
@@ -102,7 +106,7 @@ pub(super) fn fitted(scene: &Scene, estimate: &Estimate, flight: &Flight) -> Opt
 
 /// Fits position and velocity, then the acceleration, which is orthogonal to them. `None` where the
 /// readings' times do not determine them.
-fn ballistic(flight: &Flight, pull_m_s2: &Vector3<f64>) -> Option<Fit> {
+fn ballistic(flight: &CredibleFlight, pull_m_s2: &Vector3<f64>) -> Option<AloneFit> {
     let readings = &flight.readings;
     let count = readings.len() as f64;
     let middle_s = readings.iter().map(|r| r.time_s).sum::<f64>() / count;
@@ -138,7 +142,7 @@ fn ballistic(flight: &Flight, pull_m_s2: &Vector3<f64>) -> Option<Fit> {
         .map(|(x, bow)| x * *bow)
         .sum::<Vector3<f64>>();
     let pull = pulled / weight;
-    Some(Fit {
+    Some(AloneFit {
         left,
         pull,
         gain_m2: pull.norm_squared() * weight,
@@ -148,7 +152,7 @@ fn ballistic(flight: &Flight, pull_m_s2: &Vector3<f64>) -> Option<Fit> {
 
 /// The same with drag, by the derivatives of the estimated flight: an orthogonal factor of their
 /// columns by position, velocity and pull.
-fn dragged(flight: &Flight, body: &Body, gravity_m_s2: &Vector3<f64>) -> Option<Fit> {
+fn dragged(flight: &CredibleFlight, body: &Body, gravity_m_s2: &Vector3<f64>) -> Option<AloneFit> {
     let readings = &flight.readings;
     let mut fall = Fall::new(body, gravity_m_s2, &flight.arc.state);
     let mut columns = DMatrix::zeros(3 * readings.len(), 9);
@@ -170,7 +174,7 @@ fn dragged(flight: &Flight, body: &Body, gravity_m_s2: &Vector3<f64>) -> Option<
     let factor: Matrix3<f64> = r.fixed_view::<3, 3>(6, 6).into_owned();
     let pull = factor.solve_upper_triangular(&along.fixed_rows::<3>(6).into_owned())?;
     let of_axes = left.as_slice().chunks_exact(3);
-    Some(Fit {
+    Some(AloneFit {
         left: of_axes.map(Vector3::from_column_slice).collect(),
         pull,
         gain_m2: along.rows(6, 3).norm_squared(),
@@ -232,7 +236,7 @@ mod tests {
                 estimated_m: flow::position(&body, &GRAVITY, &state, since_s),
             }
         });
-        let flight = Flight {
+        let flight = CredibleFlight {
             arc: &arc,
             residual: &residual,
             times: &[],

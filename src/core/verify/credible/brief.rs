@@ -15,7 +15,7 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
 use super::alone::{LEAST as ENOUGH, fitted};
-use super::flights::Flight;
+use super::flights::CredibleFlight;
 use crate::motion::{About, Doubt, Estimate, Scene, Sketch, Timing};
 
 /// Least number of readings of a flight: one less has as many numbers as its acceleration has.
@@ -33,7 +33,7 @@ const ROUNDING_M: f64 = 1e-6;
 
 /// A flight with few samples, and by how much an acceleration of its own lowers its sum of squares \[m²\].
 struct Brief<'a> {
-    flight: &'a Flight<'a>,
+    flight: &'a CredibleFlight<'a>,
     gain_m2: f64,
 }
 
@@ -42,18 +42,20 @@ pub(super) fn doubts(
     scene: &Scene,
     sketch: &Sketch,
     estimate: &Estimate,
-    flights: &[Flight],
+    flights: &[CredibleFlight],
 ) -> Vec<Doubt> {
     // Free times follow any fall.
-    let is_open = |flight: &Flight| !sketch.tracks[flight.residual.track].open_times_s.is_empty();
-    let is_brief =
-        |flight: &Flight| (LEAST..ENOUGH).contains(&flight.readings.len()) && !is_open(flight);
+    let is_open =
+        |flight: &CredibleFlight| !sketch.tracks[flight.residual.track].open_times_s.is_empty();
+    let is_brief = |flight: &CredibleFlight| {
+        (LEAST..ENOUGH).contains(&flight.readings.len()) && !is_open(flight)
+    };
     let is_unknown = matches!(scene.timing, Timing::Unknown { .. });
     if is_unknown || !flights.iter().any(is_brief) {
         return Vec::new();
     }
     let (mut left_m2, mut freedom, mut briefs) = (0.0, 0.0, Vec::new());
-    let are_many = |flight: &&Flight| flight.readings.len() >= LEAST && !is_open(flight);
+    let are_many = |flight: &&CredibleFlight| flight.readings.len() >= LEAST && !is_open(flight);
     for flight in flights.iter().filter(are_many) {
         let Some(fit) = fitted(scene, estimate, flight) else {
             continue;

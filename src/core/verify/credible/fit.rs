@@ -1,10 +1,10 @@
-//! Checks residuals: against the weights, against those of flights fitted alone ([`Alone`]), and
+//! Checks residuals: against the weights, against those of flights fitted alone ([`FlightsAlone`]), and
 //! against those of flights with a free acceleration.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 
-use super::alone::Alone;
-use super::flights::Flight;
+use super::alone::FlightsAlone;
+use super::flights::CredibleFlight;
 use super::kink::kinks;
 use crate::motion::{
     About, Doubt, Estimate, Fits, Performer, Place, Scene, SegmentResidual, Sketch, Timing,
@@ -49,7 +49,7 @@ pub(super) fn doubts(
     scene: &Scene,
     sketch: &Sketch,
     estimate: &Estimate,
-    flights: &[Flight],
+    flights: &[CredibleFlight],
 ) -> Vec<Doubt> {
     let in_weights = |residual: &SegmentResidual| {
         let position = residual.position_rms_m.unwrap_or(0.0) / scene.weights.position_m;
@@ -88,7 +88,7 @@ pub(super) fn doubts(
         let about = About::Keyframes;
         doubts.extend(Doubt::beyond(about, Place::Motion, whole, KEYFRAMES));
     }
-    let alone = Alone::new(scene, estimate, flights);
+    let alone = FlightsAlone::new(scene, estimate, flights);
     if alone.samples > 0.0 {
         let rms_m = (alone.alone_m2 / alone.samples).sqrt();
         let value = rms_m / scene.weights.position_m;
@@ -110,7 +110,7 @@ pub(super) fn doubts(
 
 /// Doubt where flights fit alone and not together: `√(joint/alone)` of the sums of squares is above
 /// its bound.
-fn misfit(scene: &Scene, alone: &Alone) -> Option<Doubt> {
+fn misfit(scene: &Scene, alone: &FlightsAlone) -> Option<Doubt> {
     if !is_something(alone.joint_m2, alone, NOTHING_M) {
         return None;
     }
@@ -130,7 +130,7 @@ fn misfit(scene: &Scene, alone: &Alone) -> Option<Doubt> {
 }
 
 /// Whether the residuals cannot be a hand's wander that is too slow to be visible in short flights.
-fn is_no_hand(flights: &[Flight]) -> bool {
+fn is_no_hand(flights: &[CredibleFlight]) -> bool {
     let seen = flights
         .iter()
         .filter_map(|flight| match flight.readings.as_slice() {
@@ -143,13 +143,13 @@ fn is_no_hand(flights: &[Flight]) -> bool {
 }
 
 /// Doubt where the flights do not fall with the estimate's gravity.
-fn fall(alone: &Alone, least_m: f64) -> Option<Doubt> {
+fn fall(alone: &FlightsAlone, least_m: f64) -> Option<Doubt> {
     let value = over_pulled(alone, least_m)?;
     Doubt::beyond(About::Fall, Place::Motion, value, FALL)
 }
 
 /// Doubt where the flights fall in another direction than gravity's.
-fn direction(estimate: &Estimate, alone: &Alone, least_m: f64) -> Option<Doubt> {
+fn direction(estimate: &Estimate, alone: &FlightsAlone, least_m: f64) -> Option<Doubt> {
     let is_telling = over_pulled(alone, least_m)? > DIRECTION_FALL;
     let gravity_m_s2 = &estimate.gravity_m_s2;
     if !is_telling || gravity_m_s2.norm() < WEIGHTLESS_M_S2 {
@@ -166,7 +166,7 @@ fn direction(estimate: &Estimate, alone: &Alone, least_m: f64) -> Option<Doubt> 
 
 /// Ratio of the residual of free flights to that with a free acceleration: the root of the ratio of
 /// mean squares per degree of freedom. `None` where residuals are less than `least_m`.
-fn over_pulled(alone: &Alone, least_m: f64) -> Option<f64> {
+fn over_pulled(alone: &FlightsAlone, least_m: f64) -> Option<f64> {
     let per_freedom = |squares_m2: f64, freedom: f64| squares_m2 / freedom;
     is_something(alone.alone_m2, alone, least_m).then(|| {
         let free = per_freedom(alone.alone_m2, alone.alone_freedom);
@@ -175,6 +175,6 @@ fn over_pulled(alone: &Alone, least_m: f64) -> Option<f64> {
     })
 }
 
-fn is_something(squares_m2: f64, alone: &Alone, least_m: f64) -> bool {
+fn is_something(squares_m2: f64, alone: &FlightsAlone, least_m: f64) -> bool {
     squares_m2 > least_m * least_m * alone.samples && alone.samples > 0.0
 }

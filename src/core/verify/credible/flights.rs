@@ -22,7 +22,7 @@ pub(super) struct FlightSample {
 }
 
 /// What one track saw of an arc, in order of time; empty where it saw no positions.
-pub(super) struct Flight<'a> {
+pub(super) struct CredibleFlight<'a> {
     pub(super) arc: &'a ArcEstimate,
     pub(super) residual: &'a SegmentResidual,
     /// Times of all its samples.
@@ -30,7 +30,7 @@ pub(super) struct Flight<'a> {
     pub(super) readings: Vec<FlightSample>,
 }
 
-impl Flight<'_> {
+impl CredibleFlight<'_> {
     /// The place that doubts about it name.
     pub(super) fn place(&self) -> Place {
         Place::Flight {
@@ -45,7 +45,7 @@ pub(super) fn flights<'a>(
     scene: &Scene,
     sketch: &Sketch,
     estimate: &'a Estimate,
-) -> Vec<Flight<'a>> {
+) -> Vec<CredibleFlight<'a>> {
     let mut rest = estimate.sample_times.as_slice();
     let residuals = estimate.residuals.iter();
     residuals
@@ -74,7 +74,7 @@ pub(super) fn flights<'a>(
                     estimated_m: fall.position(since_s),
                 })
             });
-            Flight {
+            CredibleFlight {
                 arc,
                 residual,
                 times,

@@ -1,6 +1,6 @@
 //! Checks speeds, distances and tempo.
 
-use super::flights::{Flight, FlightSample};
+use super::flights::{CredibleFlight, FlightSample};
 use crate::motion::{About, Doubt, Estimate, Place, Scene, Timing};
 use crate::physics::flow;
 use crate::verify::moving::spin_bound_rad_s;
@@ -21,7 +21,7 @@ const FLIGHT_HASTE: f64 = 3.0;
 /// Least number of samples of a flight to check its tempo.
 const LEAST: usize = 4;
 
-pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> Vec<Doubt> {
+pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[CredibleFlight]) -> Vec<Doubt> {
     let mut doubts = Vec::new();
     for flight in flights {
         let arc = flight.arc;
@@ -62,7 +62,7 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[Flight]) -> 
 }
 
 /// Ratio of estimated to acted way, for a body of the given radius.
-fn way(flight: &Flight, radius_m: f64) -> f64 {
+fn way(flight: &CredibleFlight, radius_m: f64) -> f64 {
     let length = |of: fn(&FlightSample) -> nalgebra::Vector3<f64>| -> f64 {
         let pairs = flight.readings.windows(2);
         pairs.map(|pair| (of(&pair[1]) - of(&pair[0])).norm()).sum()

@@ -7,7 +7,7 @@
 
 use nalgebra::Vector3;
 
-use super::flights::{Flight, FlightSample};
+use super::flights::{CredibleFlight, FlightSample};
 
 /// Longest stretch over which a slope is fitted \[s\].
 const WINDOW_S: f64 = 0.06;
@@ -16,9 +16,9 @@ const LEAST: usize = 2;
 
 /// Ratio of the root mean square changes of the residuals' slope: over collisions to within
 /// flights. `None` where flights are too short.
-pub(super) fn kinks(flights: &[Flight]) -> Option<f64> {
-    let flies = |flight: &&Flight| flight.readings.len() >= LEAST;
-    let all: Vec<&Flight> = flights.iter().filter(flies).collect();
+pub(super) fn kinks(flights: &[CredibleFlight]) -> Option<f64> {
+    let flies = |flight: &&CredibleFlight| flight.readings.len() >= LEAST;
+    let all: Vec<&CredibleFlight> = flights.iter().filter(flies).collect();
     let pairs: Vec<[&[FlightSample]; 2]> = all
         .windows(2)
         .filter(|pair| pair[0].arc.mechanism == pair[1].arc.mechanism)
@@ -46,7 +46,7 @@ pub(super) fn kinks(flights: &[Flight]) -> Option<f64> {
     Some(ratio.sqrt())
 }
 
-fn mean_interval_s(flights: &[&Flight]) -> Option<f64> {
+fn mean_interval_s(flights: &[&CredibleFlight]) -> Option<f64> {
     let spans_s = flights.iter().map(|flight| {
         let readings = &flight.readings;
         readings[readings.len() - 1].time_s - readings[0].time_s
@@ -118,7 +118,7 @@ mod tests {
                     estimated_m: Vector3::zeros(),
                 }
             });
-            Flight {
+            CredibleFlight {
                 arc: &arcs[first / 6],
                 residual: &residual,
                 times: &[],

@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use super::flights::Flight;
+use super::flights::CredibleFlight;
 use crate::motion::{About, Doubt, Place};
 
 /// Least number of keyframes of a flight whose times are known, where others are not. With one, the
 /// same poses at other times are passed by motions that turn otherwise.
 const KNOWN: usize = 2;
 
-pub(super) fn doubts(flights: &[Flight]) -> Vec<Doubt> {
+pub(super) fn doubts(flights: &[CredibleFlight]) -> Vec<Doubt> {
     // Of each arc, whatever its keyframes show: how many times are known, and how many are not.
     let mut counts: BTreeMap<usize, (Place, [usize; 2])> = BTreeMap::new();
     for flight in flights {

@@ -1,12 +1,12 @@
 //! Checks for samples outside the time of the flight that they are compared with.
 
-use super::flights::Flight;
+use super::flights::CredibleFlight;
 use crate::motion::{About, Doubt, Scene, Timing};
 
 /// Greatest time of a sample beyond an end of its flight \[s\].
 const BEYOND_S: f64 = 1e-3;
 
-pub(super) fn doubts(scene: &Scene, flights: &[Flight]) -> Vec<Doubt> {
+pub(super) fn doubts(scene: &Scene, flights: &[CredibleFlight]) -> Vec<Doubt> {
     // In an edited sketch the samples themselves define the flights.
     if scene.timing == Timing::Edited {
         return Vec::new();
@@ -19,7 +19,7 @@ pub(super) fn doubts(scene: &Scene, flights: &[Flight]) -> Vec<Doubt> {
 }
 
 /// Greatest time of a sample beyond an end of the flight \[s\].
-fn beyond_s(flight: &Flight) -> f64 {
+fn beyond_s(flight: &CredibleFlight) -> f64 {
     let beyond_s = flight.readings.iter().map(|reading| {
         let before_s = flight.arc.start_s - reading.time_s;
         before_s.max(reading.time_s - flight.arc.end_s)
@@ -64,7 +64,7 @@ mod tests {
                 position_m: Vector3::zeros(),
                 estimated_m: Vector3::zeros(),
             });
-            beyond_s(&Flight {
+            beyond_s(&CredibleFlight {
                 arc: &arc,
                 residual: &residual,
                 times: &[],

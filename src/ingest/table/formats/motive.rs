@@ -1,7 +1,7 @@
 //! Tables of OptiTrack's Motive.
 
 use crate::ingest::table::layout::{
-    Angles, BodyColumns, Fault, Layout, Orientation, TimeColumns, fault, points_are_taken,
+    Angles, BodyColumns, Orientation, TableFault, TableLayout, TimeColumns, fault, points_are_taken,
 };
 use crate::ingest::table::text::{Line, Lines, number};
 use crate::ingest::table::turn::Turn;
@@ -15,7 +15,7 @@ const POINTS: &str = "Marker";
 const UNLABELED: &str = "Unlabeled";
 
 /// The layout of a table of Motive; `None` for others.
-pub(super) fn layout(lines: &Lines) -> Option<Result<(Layout, usize), Fault>> {
+pub(super) fn layout(lines: &Lines) -> Option<Result<(TableLayout, usize), TableFault>> {
     let first = lines.head.first()?.cells.first()?;
     (first == "Format Version").then(|| motive(lines).map(|layout| (layout, 0)))
 }
@@ -30,7 +30,7 @@ struct MotiveBody {
 
 /// A line of keys and values; then, above the columns, what they are of, whose, an identifier, perhaps a
 /// parent, rotation or position, and the axis.
-fn motive(lines: &Lines) -> Result<Layout, Fault> {
+fn motive(lines: &Lines) -> Result<TableLayout, TableFault> {
     let first = &lines.head[0];
     let said = |key: &str| {
         let at = first.cells.iter().position(|cell| cell == key)?;
@@ -104,7 +104,7 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
             "Coordinate Space is not Global: poses are relative to another body; expected an export with Global".to_owned(),
         );
     }
-    Ok(Layout {
+    Ok(TableLayout {
         length: length(said("Length Units"), first)?,
         rate_hz: said("Export Frame Rate").and_then(number),
         preset: Some("motive-y-up"),
@@ -116,7 +116,7 @@ fn motive(lines: &Lines) -> Result<Layout, Fault> {
         notes,
         against,
         is_ragged: true,
-        ..Layout::plain(
+        ..TableLayout::plain(
             format!("Motive {}", said("Format Version").unwrap_or_default()),
             TimeColumns::One(1, Some(TimeUnit::Second)),
             columns,
@@ -171,7 +171,7 @@ fn angles_of(
     named: Option<&str>,
     line: &Line,
     all: &[MotiveBody],
-) -> Result<Option<&'static Turn>, Fault> {
+) -> Result<Option<&'static Turn>, TableFault> {
     let has_poses = all.iter().any(|of| of.kind != POINTS);
     let Some(named) = named.filter(|named| has_poses && *named != "Quaternion") else {
         return Ok(None);
@@ -192,7 +192,7 @@ fn body_columns(
     body: &MotiveBody,
     turn: Option<&'static Turn>,
     line: usize,
-) -> Result<BodyColumns, Fault> {
+) -> Result<BodyColumns, TableFault> {
     let name = Some(body.name.clone());
     let (position, orientation) = match (body.position, body.rotation, turn) {
         ([Some(x), Some(y), Some(z)], ..) if body.kind == POINTS => {
@@ -233,7 +233,10 @@ fn body_columns(
     })
 }
 
-fn length(named: Option<&str>, line: &Line) -> Result<Option<crate::motion::LengthUnit>, Fault> {
+fn length(
+    named: Option<&str>,
+    line: &Line,
+) -> Result<Option<crate::motion::LengthUnit>, TableFault> {
     let Some(named) = named else {
         return Ok(None);
     };

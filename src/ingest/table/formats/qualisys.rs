@@ -1,8 +1,8 @@
 //! TSV of Qualisys Track Manager: trajectories of markers (3D) and poses of bodies (6D), with events.
 
 use crate::ingest::table::layout::{
-    Angles, BodyColumns, Fault, HeadMark, Layout, Orientation, SeenColumn, TimeColumns, fault,
-    points_are_taken,
+    Angles, BodyColumns, HeadMark, Orientation, SeenColumn, TableFault, TableLayout, TimeColumns,
+    fault, points_are_taken,
 };
 use crate::ingest::table::text::{Line, Lines, number};
 use crate::ingest::table::turn::Turn;
@@ -14,13 +14,13 @@ const BODY_COLUMNS: usize = 16;
 const MATRIX_AT: usize = 7;
 
 /// The layout of a TSV of Qualisys; `None` for others.
-pub(super) fn layout(lines: &Lines) -> Option<Result<(Layout, usize), Fault>> {
+pub(super) fn layout(lines: &Lines) -> Option<Result<(TableLayout, usize), TableFault>> {
     let has = |key: &str| lines.head.iter().any(|line| line.cells[0] == key);
     (has("NO_OF_FRAMES") && (has("DATA_INCLUDED") || has("MARKER_NAMES") || has("BODY_NAMES")))
         .then(|| qualisys(lines).map(|layout| (layout, 0)))
 }
 
-fn qualisys(lines: &Lines) -> Result<Layout, Fault> {
+fn qualisys(lines: &Lines) -> Result<TableLayout, TableFault> {
     let line_of = |key: &str| lines.head.iter().find(|line| line.cells[0] == key);
     let said = |key: &str| line_of(key)?.cells.get(1).map(String::as_str);
     let kind = said("DATA_INCLUDED").unwrap_or(match line_of("BODY_NAMES") {
@@ -85,7 +85,7 @@ fn qualisys(lines: &Lines) -> Result<Layout, Fault> {
             time: cell(3).unwrap_or_default(),
         })
     });
-    Ok(Layout {
+    Ok(TableLayout {
         rate_hz,
         preset: Some("qualisys"),
         unread,
@@ -101,7 +101,7 @@ fn qualisys(lines: &Lines) -> Result<Layout, Fault> {
             notes
         },
         marks: marks.collect(),
-        ..Layout::plain(format!("Qualisys {kind}"), time, bodies)
+        ..TableLayout::plain(format!("Qualisys {kind}"), time, bodies)
     })
 }
 
@@ -150,7 +150,7 @@ fn bodies(
     named: &[String],
     first: usize,
     row: &Line,
-) -> Result<(Vec<BodyColumns>, Vec<String>), Fault> {
+) -> Result<(Vec<BodyColumns>, Vec<String>), TableFault> {
     let begins: Vec<usize> = match named {
         [] => (0..names.len())
             .map(|index| first + BODY_COLUMNS * index)

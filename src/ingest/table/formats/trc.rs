@@ -1,19 +1,19 @@
 //! TRC, tables of markers by Motion Analysis, OpenSim and others.
 
 use crate::ingest::table::layout::{
-    BodyColumns, Fault, Layout, Orientation, TimeColumns, fault, points_are_taken,
+    BodyColumns, Orientation, TableFault, TableLayout, TimeColumns, fault, points_are_taken,
 };
 use crate::ingest::table::text::{Lines, number};
 use crate::ingest::table::units::{TimeUnit, length_unit};
 
 /// The layout of a TRC; `None` for other tables.
-pub(super) fn layout(lines: &Lines) -> Option<Result<(Layout, usize), Fault>> {
+pub(super) fn layout(lines: &Lines) -> Option<Result<(TableLayout, usize), TableFault>> {
     let first = lines.head.first()?.cells.first()?;
     (first == "PathFileType").then(|| trc(lines).map(|layout| (layout, 0)))
 }
 
 /// A line of its kind, one of keys, one of values, one of names above the first of three columns each, one of axes.
-fn trc(lines: &Lines) -> Result<Layout, Fault> {
+fn trc(lines: &Lines) -> Result<TableLayout, TableFault> {
     let keys = lines
         .head
         .iter()
@@ -64,7 +64,7 @@ fn trc(lines: &Lines) -> Result<Layout, Fault> {
             "no names of markers after Frame#, Time, expected some: export it again with markers",
         );
     }
-    Ok(Layout {
+    Ok(TableLayout {
         length,
         rate_hz: said("DataRate")
             .and_then(|cell| number(cell))
@@ -73,6 +73,6 @@ fn trc(lines: &Lines) -> Result<Layout, Fault> {
         notes: vec![points_are_taken("markers, no rigid bodies")],
         is_ragged: true,
         is_zero_unseen: true,
-        ..Layout::plain("TRC", TimeColumns::One(1, Some(TimeUnit::Second)), bodies)
+        ..TableLayout::plain("TRC", TimeColumns::One(1, Some(TimeUnit::Second)), bodies)
     })
 }

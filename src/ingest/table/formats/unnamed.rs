@@ -1,7 +1,8 @@
 //! Tables without names of columns: TUM and EuRoC, rows of matrices, messages of ROS 2.
 
 use crate::ingest::table::layout::{
-    BodyColumns, Fault, Layout, Orientation, QuaternionOrder, TimeColumns, fault, points_are_taken,
+    BodyColumns, Orientation, QuaternionOrder, TableFault, TableLayout, TimeColumns, fault,
+    points_are_taken,
 };
 use crate::ingest::table::missing::is_absent;
 use crate::ingest::table::text::{Line, Lines, Separator, number};
@@ -16,7 +17,10 @@ const ROWS: usize = 50;
 const SECONDS: std::ops::Range<f64> = 9e8..4.2e9;
 
 /// The layout of rows without names. Fails where their number of columns is none that is known.
-pub(super) fn layout(lines: &Lines, order: Option<QuaternionOrder>) -> Result<Layout, Fault> {
+pub(super) fn layout(
+    lines: &Lines,
+    order: Option<QuaternionOrder>,
+) -> Result<TableLayout, TableFault> {
     let row = &lines.rows[0];
     let count = row.filled();
     if let Some(layout) = echoed(lines) {
@@ -45,7 +49,7 @@ fn quaternions(
     order: Option<QuaternionOrder>,
     is_ns: bool,
     is_euroc: bool,
-) -> Result<Layout, Fault> {
+) -> Result<TableLayout, TableFault> {
     let count = lines.rows[0].filled();
     let is_tum = lines.separator == Separator::Blanks;
     let mut against = Vec::new();
@@ -84,7 +88,7 @@ fn quaternions(
         orientation: Orientation::Quaternion(order.columns([4, 5, 6, 7])),
         seen: Vec::new(),
     };
-    Ok(Layout {
+    Ok(TableLayout {
         unread: (9..=count)
             .map(|column| format!("column {column}"))
             .collect(),
@@ -92,7 +96,7 @@ fn quaternions(
             "columns have no names: taken as t, x, y, z, {named}, as {why} (--columns for others)"
         )],
         against,
-        ..Layout::plain(kind, TimeColumns::One(0, unit), vec![body])
+        ..TableLayout::plain(kind, TimeColumns::One(0, unit), vec![body])
     })
 }
 
@@ -107,7 +111,7 @@ fn blocks<const N: usize>(lines: &Lines, from: usize) -> Vec<[f64; N]> {
 }
 
 /// Rows of a 3×4 or 4×4 matrix, with a time before it or without: KITTI, ARKit and many others.
-fn matrices(lines: &Lines, count: usize) -> Option<Layout> {
+fn matrices(lines: &Lines, count: usize) -> Option<TableLayout> {
     let (from, is_square) = match count {
         12 => (0, false),
         13 => (1, false),
@@ -158,19 +162,19 @@ fn matrices(lines: &Lines, count: usize) -> Option<Layout> {
     } else {
         "matrices"
     };
-    Some(Layout {
+    Some(TableLayout {
         notes: vec![
             format!("columns have no names: taken as a {shape} matrix {by}, whose first three columns are a rotation"),
             "poses are taken for those of the body in the world; of cameras as KITTI and OpenCV have them y is down: \
              expected --from camera"
                 .to_owned(),
         ],
-        ..Layout::plain(kind, time, vec![body])
+        ..TableLayout::plain(kind, time, vec![body])
     })
 }
 
 /// `ros2 topic echo --csv`: seconds, nanoseconds, one or two frames, then a pose or a point.
-fn echoed(lines: &Lines) -> Option<Layout> {
+fn echoed(lines: &Lines) -> Option<TableLayout> {
     let row = &lines.rows[0];
     let at = |column: usize| row.cells.get(column).and_then(|cell| number(cell));
     let is_stamp = |seconds: f64, rest: f64| {
@@ -207,7 +211,7 @@ fn echoed(lines: &Lines) -> Option<Layout> {
     let unread = (first + if is_pose { 7 } else { 3 }..row.filled())
         .map(|column| format!("column {}", column + 1));
     let frames = &row.cells[2..first];
-    Some(Layout {
+    Some(TableLayout {
         unread: unread.collect(),
         notes: vec![format!(
             "columns have no names: taken as ros2 topic echo --csv writes messages: sec, nanosec, frame ({}), {named}",
@@ -215,6 +219,6 @@ fn echoed(lines: &Lines) -> Option<Layout> {
         )],
         // The frame of the child, where there are two.
         body_name: (frames.len() == 2).then_some(3),
-        ..Layout::plain("ROS 2", TimeColumns::Two(0, 1), vec![body])
+        ..TableLayout::plain("ROS 2", TimeColumns::Two(0, 1), vec![body])
     })
 }

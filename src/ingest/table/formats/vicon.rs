@@ -1,7 +1,7 @@
 //! Tables of Vicon's Tracker and Nexus.
 
 use crate::ingest::table::layout::{
-    Angles, BodyColumns, Fault, Layout, Orientation, TimeColumns, fault, points_are_taken,
+    Angles, BodyColumns, Orientation, TableFault, TableLayout, TimeColumns, fault, points_are_taken,
 };
 use crate::ingest::table::text::{Line, Lines, number};
 use crate::ingest::table::units::{AngleUnit, TimeUnit, length_unit};
@@ -12,7 +12,7 @@ const SECTIONS: [&str; 2] = ["Objects", "Segments"];
 const POINTS: &str = "Trajectories";
 
 /// The layout of a table of Vicon, and how many rows are before its own; `None` for others.
-pub(super) fn layout(lines: &Lines) -> Option<Result<(Layout, usize), Fault>> {
+pub(super) fn layout(lines: &Lines) -> Option<Result<(TableLayout, usize), TableFault>> {
     let all = lines.head.iter().chain(&lines.rows);
     { all }.any(is_axes).then(|| vicon(lines))
 }
@@ -23,7 +23,7 @@ fn is_axes(line: &Line) -> bool {
 }
 
 /// Vicon: the section's name, its rate, names above the first of each one's columns, the axes, the units.
-fn vicon(lines: &Lines) -> Result<(Layout, usize), Fault> {
+fn vicon(lines: &Lines) -> Result<(TableLayout, usize), TableFault> {
     let all: Vec<&Line> = lines.head.iter().chain(&lines.rows).collect();
     let is_section = |line: &&Line| SECTIONS.contains(&line.cells[0].as_str());
     let of_points = || all.iter().position(|line| line.cells[0] == POINTS);
@@ -124,7 +124,7 @@ fn vicon(lines: &Lines) -> Result<(Layout, usize), Fault> {
         true => vec![points_are_taken("markers, no rigid bodies")],
         false => Vec::new(),
     };
-    let layout = Layout {
+    let layout = TableLayout {
         length,
         rate_hz,
         preset: Some("vicon"),
@@ -132,7 +132,7 @@ fn vicon(lines: &Lines) -> Result<(Layout, usize), Fault> {
         notes,
         is_section: true,
         is_ragged: true,
-        ..Layout::plain(format!("Vicon {}", all[at].cells[0]), time, bodies)
+        ..TableLayout::plain(format!("Vicon {}", all[at].cells[0]), time, bodies)
     };
     Ok((layout, begin.saturating_sub(lines.head.len())))
 }

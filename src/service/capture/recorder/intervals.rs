@@ -4,12 +4,12 @@ use std::sync::mpsc::TrySendError;
 use std::time::{Duration, Instant};
 
 use super::super::event::CaptureEvent;
-use super::super::health::Part;
+use super::super::health::HealthPart;
 use super::super::notice::Notice;
 use super::super::presence::Presence;
 use super::super::previewer::PreviewInput;
 use super::super::seldom::Seldom;
-use super::super::take::Take;
+use super::super::take::OpenTake;
 use super::state::{Recorder, RecorderState};
 
 /// Interval of updating the status.
@@ -36,7 +36,7 @@ impl Recorder {
                     "recording is {behind_s:.1} s behind: this machine does not keep up, samples may be lost"
                 )
             });
-            self.metrics.health.say(Part::Recorder, trouble);
+            self.metrics.health.say(HealthPart::Recorder, trouble);
             self.listen(state, state.known_until(now));
         }
         if let Some(mut take) = state.take.take() {
@@ -86,7 +86,7 @@ impl Recorder {
     }
 
     /// Asks the syncer to sync the journal, unless a sync is still waiting.
-    fn sync(&self, take: &mut Take, now: Instant, slow: &Seldom) {
+    fn sync(&self, take: &mut OpenTake, now: Instant, slow: &Seldom) {
         if now.duration_since(take.synced) < self.settings.sync {
             return;
         }
@@ -109,7 +109,7 @@ impl Recorder {
 
     /// Hands new events to the previewer. While its queue is full they wait and go with later ones;
     /// takes that grow too long get no more previews.
-    pub(super) fn follow(&self, state: &mut RecorderState, take: &mut Take) {
+    pub(super) fn follow(&self, state: &mut RecorderState, take: &mut OpenTake) {
         if let Some(count) = &mut state.followed {
             *count += take.pending.len();
             if *count > SO_FAR_EVENTS {

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use tokio::sync::watch;
 
-use super::super::estimator::Finished;
+use super::super::estimator::FinishedTake;
 use super::super::event::{CaptureEvent, CountsLine, Status};
 use super::super::latency::Latencies;
 use super::super::metrics::Metrics;
@@ -18,7 +18,7 @@ use super::super::preroll::Preroll;
 use super::super::presence::Pulse;
 use super::super::previewer::PreviewInput;
 use super::super::seldom::Seldom;
-use super::super::take::Take;
+use super::super::take::OpenTake;
 use super::super::viewer::Feed;
 use crate::config::CaptureSettings;
 use crate::ingest::live::{Arrival, ControlRecord, StreamTopic, Token};
@@ -32,7 +32,7 @@ pub(in super::super) struct Recorder {
     pub(in super::super) topics: Vec<StreamTopic>,
     pub(in super::super) publisher: Speaker,
     pub(in super::super) so_far: SyncSender<PreviewInput>,
-    pub(in super::super) finals: SyncSender<Finished>,
+    pub(in super::super) finals: SyncSender<FinishedTake>,
     pub(in super::super) syncer: SyncSender<File>,
     pub(in super::super) status: watch::Sender<Status>,
     pub(in super::super) metrics: Arc<Metrics>,
@@ -48,7 +48,7 @@ pub(in super::super) struct Recorder {
 
 /// The state of the thread.
 pub(super) struct RecorderState {
-    pub(super) take: Option<Take>,
+    pub(super) take: Option<OpenTake>,
     pub(super) takes: u64,
     pub(super) outside: u64,
     /// Number of events of the running take that the previewer was given; `None` without previews.
@@ -98,7 +98,7 @@ impl RecorderState {
     }
 
     /// Adds the counts of a take that is over to the totals.
-    pub(super) fn end_of(&mut self, take: &Take) {
+    pub(super) fn end_of(&mut self, take: &OpenTake) {
         self.unfollow();
         self.totals.0.add(&take.counts());
         self.totals.1.merge(&take.latencies);
@@ -125,7 +125,7 @@ impl RecorderState {
             take: take.map(|take| take.number),
             recording: take.map(|take| take.journal.path().display().to_string()),
             messages: take.map_or(0, |take| take.journal.messages()),
-            counts: take.map(Take::counts).unwrap_or_default(),
+            counts: take.map(OpenTake::counts).unwrap_or_default(),
             trackers,
             outside: self.outside,
             totals,

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use super::super::estimator::Finished;
+use super::super::estimator::FinishedTake;
 use super::super::event::CaptureEvent;
-use super::super::health::Part;
+use super::super::health::HealthPart;
 use super::super::naming::{DISCARDED, take_path};
 use super::super::notice::Notice;
-use super::super::take::{Take, now_ns};
+use super::super::take::{OpenTake, now_ns};
 use super::state::{Recorder, RecorderState};
 use crate::ingest::live::{Arrival, Arrived, Command, ControlRecord};
 use crate::write::WriteError;
@@ -35,7 +35,7 @@ impl Recorder {
         state.preroll.forget(begun);
         let path = take_path(&self.settings.folder, state.takes, now_ns());
         let (scene, toml) = (&self.scene, &self.scene_toml);
-        match Take::begin(
+        match OpenTake::begin(
             state.takes,
             &path,
             scene,
@@ -49,7 +49,7 @@ impl Recorder {
                 let kept = state.preroll.take(begun);
                 let pulses = state.pulses.iter();
                 let unheard = pulses.filter(|pulse| !pulse.is_sending());
-                self.metrics.health.say(Part::Take, None);
+                self.metrics.health.say(HealthPart::Take, None);
                 let said = CaptureEvent::Started {
                     troubles: self.metrics.health.troubles(begun),
                     take: state.takes,
@@ -121,7 +121,7 @@ impl Recorder {
         let reason = if messages > FINAL_MESSAGES {
             format!("{messages} messages are too many to estimate beside a recording")
         } else {
-            match self.finals.try_send(Finished { take: number, path }) {
+            match self.finals.try_send(FinishedTake { take: number, path }) {
                 Ok(()) => return self.metrics.finals_waiting.put(),
                 Err(_) => "too many takes wait for their estimates".to_owned(),
             }
@@ -187,7 +187,7 @@ impl Recorder {
     /// Health is bad until a take begins.
     fn is_broken(&self, take: u64, error: &str) {
         let trouble = format!("take {take} could not be recorded: {error}");
-        self.metrics.health.say(Part::Take, Some(trouble));
+        self.metrics.health.say(HealthPart::Take, Some(trouble));
     }
 
     /// Answers a command that was executed, and keeps the answer.
@@ -201,7 +201,7 @@ impl Recorder {
 }
 
 /// Journals a sample or a mark.
-pub(super) fn journal(take: &mut Take, arrival: &Arrival) -> Result<(), WriteError> {
+pub(super) fn journal(take: &mut OpenTake, arrival: &Arrival) -> Result<(), WriteError> {
     match &arrival.what {
         Arrived::Pose {
             stream,

@@ -7,13 +7,13 @@ const MS: Duration = Duration::from_millis(1);
 const RAW: &str = "/capture/tracker/pencil/pose";
 
 /// A take of the pencil scene, with that `[capture]`.
-fn take(folder: &Path, capture: &str) -> (Take, CaptureSettings) {
+fn take(folder: &Path, capture: &str) -> (OpenTake, CaptureSettings) {
     let text = include_str!("../../../../config/pencil_tip.toml");
     let text = format!("{text}\n[capture]\n{capture}\n");
     let (scene, settings) = capture_from_toml(&text).expect("a scene");
     let path = folder.join("take.mcap");
     let topics = stream_topics(&scene);
-    let take = Take::begin(
+    let take = OpenTake::begin(
         1,
         &path,
         &scene,
@@ -91,7 +91,7 @@ fn log_times_follow_no_clock_that_can_be_set() {
     let begun = take.anchor.at;
     // The system clock was an hour later when the take began: it was set back since.
     let wall_ns = now_ns() + 3_600_000_000_000;
-    take.anchor = Anchor { wall_ns, at: begun };
+    take.anchor = TakeAnchor { wall_ns, at: begun };
     for k in 0..400_u32 {
         let now = begun + MS * k;
         take.pose(now, 0, &record(u64::from(k)), false)

@@ -2,7 +2,7 @@
 
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use crate::estimate::adequacy::hand::Hand;
+use crate::estimate::adequacy::hand::Wander;
 use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::Bins;
 
@@ -24,7 +24,7 @@ pub(in crate::estimate::adequacy) struct Errors<'a> {
     /// Variances of white noise, of positions and orientations, in squared units.
     pub(in crate::estimate::adequacy) white: [f64; 2],
     /// The hand's wander over the bins that the flights may have,
-    pub(in crate::estimate::adequacy) hands: &'a [Hand; 2],
+    pub(in crate::estimate::adequacy) hands: &'a [Wander; 2],
     /// whether they show it, and such a one is likely to leave what is left,
     pub(in crate::estimate::adequacy) is_likely: bool,
     /// whether they show it at all,

@@ -23,13 +23,13 @@ const LOWER: f64 = 0.5;
 
 /// What trials found.
 /// A motion that may not fit, with what its flights are by themselves.
-pub(in crate::estimate::adequacy) struct Solved<'a> {
+pub(in crate::estimate::adequacy) struct SolvedMotion<'a> {
     pub(in crate::estimate::adequacy) context: &'a SolveContext<'a>,
     pub(in crate::estimate::adequacy) solution: &'a Solution,
     pub(in crate::estimate::adequacy) alone: &'a Alone,
 }
 
-pub(in crate::estimate::adequacy) struct Tried {
+pub(in crate::estimate::adequacy) struct TriedSuspects {
     /// The best of what was set free.
     pub(in crate::estimate::adequacy) suspects: Vec<Suspect>,
     /// From where the motion itself may have a better optimum: the best trial's motion, if that is much better.
@@ -39,13 +39,13 @@ pub(in crate::estimate::adequacy) struct Tried {
 /// The best of those that score high, by what they explain when they are set free: where a value is
 /// far off, the score's linear prediction no longer ranks them.
 pub(in crate::estimate::adequacy) fn tried(
-    solved: &Solved,
+    solved: &SolvedMotion,
     performance: Performance,
     mut scored: Vec<Suspect>,
     noise: &Errors,
     observer: &mut dyn Observer,
-) -> Tried {
-    let Solved {
+) -> TriedSuspects {
+    let SolvedMotion {
         context,
         solution,
         alone,
@@ -125,7 +125,7 @@ pub(in crate::estimate::adequacy) fn tried(
         }
     }
     suspects.truncate(MOST);
-    Tried {
+    TriedSuspects {
         suspects,
         start: lowest
             .filter(|(lowest, _)| *lowest < LOWER * cost)

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::estimate::arc_end::{self, ArcEnd};
-use crate::estimate::arrival::Arrival;
+use crate::estimate::arrival::GeneralArrival;
 use crate::estimate::constraint::quantity::ByState;
 use crate::estimate::influence::Influence;
 use crate::physics::state::{StateTangent, part};
@@ -11,29 +11,29 @@ use crate::physics::{Body, State, flow};
 
 /// An arc's state at the event with its derivatives.
 pub(super) struct Reached<'a> {
-    pub(super) end: End,
+    pub(super) end: ReachedEnd,
     pub(super) body: Body,
     pub(super) gravity_m_s2: &'a Vector3<f64>,
 }
 
 /// The state, by the short form where that serves.
-pub(super) enum End {
+pub(super) enum ReachedEnd {
     Plain(Box<ArcEnd>),
-    General(Box<Arrival>),
+    General(Box<GeneralArrival>),
 }
 
 impl Reached<'_> {
     pub(super) fn end(&self) -> &ArcEnd {
         match &self.end {
-            End::Plain(end) => end,
-            End::General(arrival) => &arrival.end,
+            ReachedEnd::Plain(end) => end,
+            ReachedEnd::General(arrival) => &arrival.end,
         }
     }
 
     /// Derivatives by the arriving state, chained to those by the state at the epoch.
     pub(super) fn chain(&self, by: &ByState) -> ByState {
         match &self.end {
-            End::Plain(end) => {
+            ReachedEnd::Plain(end) => {
                 let chained = end.chain(&arc_end::ByState::<3>::of(by, 0));
                 let mut all = ByState::zeros();
                 for (at, block) in [
@@ -46,18 +46,18 @@ impl Reached<'_> {
                 }
                 all
             }
-            End::General(arrival) => by * arrival.by_state(),
+            ReachedEnd::General(arrival) => by * arrival.by_state(),
         }
     }
 
     /// The same by a parameter that acts on the flight.
     pub(super) fn by(&self, by: &ByState, influence: Influence, value: f64) -> Vector3<f64> {
         match (&self.end, influence) {
-            (End::Plain(end), Influence::Pull(axis)) => {
+            (ReachedEnd::Plain(end), Influence::Pull(axis)) => {
                 end.by_gravity(&arc_end::ByState::<3>::of(by, 0), axis)
             }
-            (End::Plain(_), _) => Vector3::zeros(),
-            (End::General(arrival), influence) => by * arrival.by(influence, value),
+            (ReachedEnd::Plain(_), _) => Vector3::zeros(),
+            (ReachedEnd::General(arrival), influence) => by * arrival.by(influence, value),
         }
     }
 

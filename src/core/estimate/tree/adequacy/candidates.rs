@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::linear::{Change, Linear};
+use super::linear::{Linear, LinearChange};
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::TreeProblem;
 use crate::motion::{ContactLawIndex, GoalUnit, JointEnd, JointTree, Quantity, Scene};
@@ -63,7 +63,7 @@ pub(super) fn change(
     quantity: Quantity,
     value: f64,
     step: f64,
-) -> Option<Change> {
+) -> Option<LinearChange> {
     let [lower, upper] = quantity.limits();
     let [before, after] = [-step, step].map(|by| (value + by).clamp(lower, upper));
     let rough = TreeProblem {

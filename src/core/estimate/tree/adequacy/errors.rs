@@ -59,7 +59,7 @@ struct ErrorModel {
 }
 
 /// Errors of the samples of a motion.
-pub(super) struct Errors {
+pub(super) struct TreeErrors {
     binned: Vec<Binned>,
     /// The first is white noise alone.
     models: Vec<ErrorModel>,
@@ -77,7 +77,7 @@ pub(super) struct Left {
     pub(super) products: DMatrix<f64>,
 }
 
-impl Errors {
+impl TreeErrors {
     /// As the residuals of a motion may be.
     pub(super) fn new(linear: &Linear) -> Self {
         let most = (BINS[1] / linear.series.len().max(1)).min(BINS[0]).max(1);

@@ -59,7 +59,7 @@ pub(super) struct Linear {
 }
 
 /// How rows hold the motion.
-pub(super) struct Held {
+pub(super) struct HeldDirections {
     /// `J Z`.
     pub(super) free: DMatrix<f64>,
     /// `Z`.
@@ -70,7 +70,7 @@ pub(super) struct Held {
 
 /// What changes with a quantity.
 #[derive(Clone, Debug)]
-pub(super) struct Change {
+pub(super) struct LinearChange {
     /// `r_θ`.
     pub(super) residuals: DVector<f64>,
     /// `c_θ`.
@@ -217,7 +217,7 @@ impl Linear {
     }
 
     /// What holds the motion.
-    pub(super) fn held(&self) -> Held {
+    pub(super) fn held(&self) -> HeldDirections {
         let size = self.by.ncols();
         let rows: Vec<DVector<f64>> = self.rows_by.row_iter().map(|row| row.transpose()).collect();
         let span = Span::of(&rows, size, DEPENDENT);
@@ -231,7 +231,7 @@ impl Linear {
             let inverse = held.pseudo_inverse(least);
             across * inverse.expect("it was asked for both factors")
         };
-        Held {
+        HeldDirections {
             free: &self.by * &basis,
             basis,
             along_rows,
@@ -239,13 +239,17 @@ impl Linear {
     }
 
     /// `u` of a quantity.
-    pub(super) fn total(&self, held: &Held, change: &Change) -> DVector<f64> {
+    pub(super) fn total(&self, held: &HeldDirections, change: &LinearChange) -> DVector<f64> {
         &change.residuals - &self.by * (&held.along_rows * &change.rows)
     }
 
     /// The step of Gauss and Newton in the unknowns, and in a quantity with this change; `calm` holds what nothing
     /// tells. `None` where nothing tells the quantity.
-    pub(super) fn step(&self, change: &Change, information: f64) -> Option<(DVector<f64>, f64)> {
+    pub(super) fn step(
+        &self,
+        change: &LinearChange,
+        information: f64,
+    ) -> Option<(DVector<f64>, f64)> {
         let held = self.held();
         let to_rows = -&held.along_rows * &self.rows;
         let residuals = &self.residuals + &self.by * &to_rows;
@@ -270,8 +274,8 @@ impl Linear {
     }
 
     /// The change of a quantity from two motions that differ in it alone, by so much.
-    pub(super) fn change(before: &Self, after: &Self, by: f64) -> Change {
-        Change {
+    pub(super) fn change(before: &Self, after: &Self, by: f64) -> LinearChange {
+        LinearChange {
             residuals: (&after.residuals - &before.residuals) / by,
             rows: (&after.rows - &before.rows) / by,
         }

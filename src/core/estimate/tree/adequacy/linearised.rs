@@ -1,8 +1,8 @@
 //! A solution, linearised, with what its samples show of their errors: what is judged of a motion, and how certain it is,
 //! are told by the same.
 
-use super::errors::Errors;
-use super::linear::{Held, Linear};
+use super::errors::TreeErrors;
+use super::linear::{HeldDirections, Linear};
 use super::odds;
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::TreeProblem;
@@ -15,8 +15,8 @@ pub(in crate::estimate::tree) struct Linearised<'s> {
     pub(super) point: &'s TreePoint,
     pub(super) active: ActiveSet,
     pub(super) linear: Linear,
-    pub(super) errors: Errors,
-    pub(super) held: Held,
+    pub(super) errors: TreeErrors,
+    pub(super) held: HeldDirections,
 }
 
 impl<'s> Linearised<'s> {
@@ -35,7 +35,7 @@ impl<'s> Linearised<'s> {
         Some(Self {
             problem,
             point,
-            errors: Errors::new(&linear),
+            errors: TreeErrors::new(&linear),
             held: linear.held(),
             active,
             linear,

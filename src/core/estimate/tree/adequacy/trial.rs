@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::candidates::{STEP, change};
-use super::linear::{Change, Linear};
+use super::linear::{Linear, LinearChange};
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::TreeProblem;
 use crate::motion::{Quantity, Scene};
@@ -19,11 +19,11 @@ const GAIN: f64 = 1e-3;
 const ROWS: f64 = 1e3;
 
 /// The motion with a quantity at its likely value.
-pub(super) struct Tried {
+pub(super) struct TriedQuantity {
     pub(super) value: f64,
     pub(super) linear: Linear,
     /// By the quantity, there.
-    pub(super) change: Change,
+    pub(super) change: LinearChange,
 }
 
 /// Moves motion and quantity to where both fit best; `None` where that leads to no motion.
@@ -33,7 +33,7 @@ pub(super) fn tried(
     point: &TreePoint,
     active: &ActiveSet,
     quantity: Quantity,
-) -> Option<Tried> {
+) -> Option<TriedQuantity> {
     let [lower, upper] = quantity.limits();
     let step = STEP * quantity.typical();
     let information = problem.information;
@@ -73,7 +73,7 @@ pub(super) fn tried(
             break;
         }
     }
-    Some(Tried {
+    Some(TriedQuantity {
         value,
         linear,
         change: by,
