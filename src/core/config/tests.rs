@@ -345,7 +345,7 @@ proptest! {
 
 #[test]
 fn the_scenes_that_come_along_are_accepted() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("config");
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config");
     let mut names = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();

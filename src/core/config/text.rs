@@ -10,7 +10,7 @@ use crate::motion::Scene;
 /// A checked scene from the text of a scene file. Fails with the place of the first error.
 ///
 /// ```
-/// let error = enact::config::scene_from_toml("name = \"drop\"\nstamps = 3").unwrap_err();
+/// let error = enact_core::config::scene_from_toml("name = \"drop\"\nstamps = 3").unwrap_err();
 /// assert_eq!((error.line, error.column), (2, 1));
 /// ```
 pub fn scene_from_toml(text: &str) -> Result<Scene, SceneError> {

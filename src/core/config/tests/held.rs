@@ -39,7 +39,7 @@ fn a_held_body_has_no_inertia_and_what_is_known_of_its_tracker() {
     let sd = held.orientation_sd_rad.expect("given");
     assert!((sd - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
     for config in ["paddle", "ramp"] {
-        let path = format!("{}/config/{config}.toml", env!("CARGO_MANIFEST_DIR"));
+        let path = format!("{}/../../config/{config}.toml", env!("CARGO_MANIFEST_DIR"));
         let text = std::fs::read_to_string(path).expect("a scene");
         assert!(scene_from_toml(&text).is_ok(), "{config}");
     }
