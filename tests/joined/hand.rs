@@ -61,7 +61,7 @@ fn exact_samples_give_the_motion_back() {
 fn usual_hands_give_motions_near_the_true_ones() {
     for joints in JOINTS {
         let mut physical = 0;
-        for seed in 8010..8012 {
+        for seed in 8010..8015 {
             let performance = tree_hands::perform(joints, &HandActing::USUAL, seed);
             let outcome = finished(&performance);
             let off_m = off_m(&performance, &outcome);
@@ -71,7 +71,7 @@ fn usual_hands_give_motions_near_the_true_ones() {
                 stay_in_the_hand(&outcome);
             }
         }
-        assert!(physical >= 1, "{joints:?}: {physical}");
+        assert!(physical >= 4, "{joints:?}: {physical}");
     }
 }
 

@@ -40,7 +40,7 @@ fn hits_s(estimate: &Estimate) -> Vec<f64> {
 #[test]
 fn an_exact_sketch_gives_motion_and_impacts_back() {
     for kind in &KINDS {
-        for seed in 8000..8002 {
+        for seed in 8000..8003 {
             let strike = strike(kind, &Acted::EXACT, seed);
             let estimate = strike.finished().estimate;
             assert_eq!(estimate.verdict, Verdict::Physical, "{kind:?} {seed}");
@@ -60,7 +60,7 @@ fn an_exact_sketch_gives_motion_and_impacts_back() {
 fn rough_sketches_bounce_by_the_law() {
     let mut physical = 0;
     for kind in &KINDS {
-        for seed in 8010..8012 {
+        for seed in 8010..8014 {
             let strike = strike(kind, &Acted::of(1.0), seed);
             let outcome = strike.finished();
             let estimate = &outcome.estimate;
@@ -74,7 +74,7 @@ fn rough_sketches_bounce_by_the_law() {
             bounces(&strike, estimate);
         }
     }
-    assert!(physical >= 7, "{physical} of 8");
+    assert!(physical >= 14, "{physical} of 16");
 }
 
 fn bounces(strike: &Strike, estimate: &Estimate) {

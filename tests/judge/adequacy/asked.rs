@@ -88,7 +88,7 @@ fn pencil(seed: u64) -> Asked {
 /// performance tells it.
 #[test]
 fn a_guessed_restitution_is_told_in_an_unknown_tempo() {
-    for seed in 6200..6202 {
+    for seed in 6200..6203 {
         let mut asked = pencil(seed);
         let right = asked.answered().expect("an answer").estimate;
         assert!(right.suspects.is_empty(), "{seed}: {:?}", right.suspects);
