@@ -26,7 +26,6 @@ impl Dialect {
                 "fn" if takes_apart(&code[at + 1..]) => {
                     self.tuples.push(format!("{path}:{} {name}", token.line));
                 }
-                // What a trait asks to be named is not a name of ours.
                 "struct" | "enum" | "trait" => {
                     let files = self.defined.entry(name.to_owned()).or_default();
                     files.push(path.to_owned());
@@ -69,7 +68,7 @@ fn takes_apart(code: &[Token]) -> bool {
     if !is_named {
         return false;
     }
-    for token in &code[1..] {
+    for token in &code[1 + generics(&code[1..])..] {
         let text = token.text.as_str();
         match text {
             "(" if may_begin => return true,
@@ -86,4 +85,44 @@ fn takes_apart(code: &[Token]) -> bool {
         may_begin = levels == 1 && (matches!(text, "(" | ",") || may_begin && text == "&");
     }
     false
+}
+
+/// How many tokens the generic parameters take that begin here, in which types of functions have brackets of their own.
+fn generics(code: &[Token]) -> usize {
+    let mut levels = 0;
+    let mut before = "";
+    for (at, token) in code.iter().enumerate() {
+        match token.text.as_str() {
+            "<" => levels += 1,
+            ">" if !matches!(before, "-" | "=") => levels -= 1,
+            _ => {}
+        }
+        if levels == 0 {
+            return if at == 0 { 0 } else { at + 1 };
+        }
+        before = &token.text;
+    }
+    code.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tokens::tokens;
+    use super::*;
+
+    #[test]
+    fn tuples_of_parameters_are_seen_and_types_are_not() {
+        let is_seen = |code: &str| {
+            let mut dialect = Dialect::default();
+            dialect.add("a.rs", &tokens(code));
+            !dialect.tuples.is_empty()
+        };
+        assert!(is_seen("fn f((a, b): (A, B)) {}"));
+        assert!(is_seen("fn f(&self, x: X, &(a, b): &(A, B)) {}"));
+        assert!(is_seen("fn f<F: Fn(u8) -> u8>(g: F, (a, b): (A, B)) {}"));
+        assert!(!is_seen(
+            "fn f(a: &(dyn A + Send), b: Vec<(A, B)>) -> (A, B) {}"
+        ));
+        assert!(!is_seen("struct S { f: fn(A, (B, C)) -> D }"));
+    }
 }
