@@ -9,6 +9,7 @@
 mod diagnose;
 mod follow;
 mod free;
+mod groups;
 mod infer;
 mod joined;
 mod led;
@@ -23,13 +24,15 @@ mod stages;
 mod warm;
 
 use self::diagnose::diagnose;
+use self::groups::Groups;
 use self::led::LedByGoals;
 pub use self::outcome::{Outcome, PipelineError};
 use self::perform::{Performed, Prepared};
 pub use self::preview::{Preview, Previewed};
+use self::rest::Sought;
 pub use self::search::SearchWork;
 use self::stages::doubts;
-use crate::estimate::Solved;
+use crate::estimate::{LastState, Solved};
 use crate::motion::{
     Counted, Diagnosis, End, EventKind, Mark, Observer, Phase, Scene, Stamp, TakeEvent, TrackIndex,
     Verdict,
@@ -48,6 +51,15 @@ pub struct Pipeline {
     is_predicting: bool,
     /// See [`Pipeline::with_diagnoses`].
     is_diagnosing: bool,
+}
+
+/// A checked motion, before it goes on until it rests.
+struct Finished {
+    outcome: Outcome,
+    /// The last states of what flies, with how certain they are; `None` where nothing is predicted or several groups move.
+    known: Option<Vec<LastState>>,
+    /// What was done for goals at rest.
+    sought: Option<Sought>,
 }
 
 impl Pipeline {
@@ -186,13 +198,63 @@ impl Pipeline {
     /// asks for that. A motion that is not physical is an outcome with that verdict; an error
     /// means that no estimate is possible.
     pub fn finish(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
-        if let Some(mut outcome) = joined::outcome(&self.scene, &self.events, observer)? {
-            outcome.settle(self.is_predicting, observer);
-            observer.phase(Phase::Done);
-            return Ok(outcome);
+        let Finished {
+            mut outcome,
+            known,
+            sought,
+        } = match Groups::of(&self.scene, &self.events)? {
+            None => self.finished(&self.scene, observer)?,
+            Some(groups) => self.together(&groups, observer)?,
+        };
+        outcome.settle(self.is_predicting, observer);
+        outcome.spread(known.as_deref(), observer);
+        if let Some(sought) = sought {
+            outcome.lie(sought.work, sought.labels);
+            if self.is_diagnosing {
+                outcome.diagnoses.extend(sought.offered);
+            }
+        }
+        observer.phase(Phase::Done);
+        Ok(outcome)
+    }
+
+    /// The motion of several groups, each by itself.
+    fn together(
+        &self,
+        groups: &Groups,
+        observer: &mut dyn Observer,
+    ) -> Result<Finished, PipelineError> {
+        let (mut outcomes, mut sought) = (Vec::new(), None);
+        for scene in groups.scenes() {
+            let part = self.finished(&scene, observer)?;
+            outcomes.push(part.outcome);
+            sought = sought.or(part.sought);
+        }
+        let mut outcome = groups.together(outcomes);
+        observer.phase(Phase::Verify);
+        groups.check(&mut outcome, observer);
+        Ok(Finished {
+            outcome,
+            known: None,
+            sought,
+        })
+    }
+
+    /// The motion of a scene that is one group, checked.
+    fn finished(
+        &self,
+        scene: &Scene,
+        observer: &mut dyn Observer,
+    ) -> Result<Finished, PipelineError> {
+        if let Some(outcome) = joined::outcome(scene, &self.events, observer)? {
+            return Ok(Finished {
+                outcome,
+                known: None,
+                sought: None,
+            });
         }
         let mut counted = Counted { observer, work: 0 };
-        let mut solved = self.solved(&mut counted)?;
+        let mut solved = self.solved(scene, &mut counted)?;
         let Counted { observer, work } = counted;
         let sought = rest::seek(&mut solved, &self.events, observer);
         solved.judge(observer);
@@ -226,18 +288,13 @@ impl Pipeline {
         // What was led to its rest is as far from the performance as that takes.
         let is_led = matches!(outcome.estimate.reason.end, End::Simulated(_));
         if self.is_diagnosing && !is_led {
-            outcome.diagnoses = diagnose(&self.scene, &self.events, Some(&outcome), work, observer);
+            outcome.diagnoses = diagnose(scene, &self.events, Some(&outcome), work, observer);
         }
-        outcome.settle(self.is_predicting, observer);
-        outcome.spread(known.as_deref(), observer);
-        if let Some(sought) = sought {
-            outcome.lie(sought.work, sought.labels);
-            if self.is_diagnosing {
-                outcome.diagnoses.extend(sought.offered);
-            }
-        }
-        observer.phase(Phase::Done);
-        Ok(outcome)
+        Ok(Finished {
+            outcome,
+            known,
+            sought,
+        })
     }
 
     /// Likely mistakes in what is said of a take for which [`finish`](Self::finish) gives an error.
@@ -250,16 +307,29 @@ impl Pipeline {
 
     /// The estimate from all events, unchecked: its verdict is that of its gaps alone.
     pub fn estimate(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
-        let outcome = match joined::outcome(&self.scene, &self.events, observer)? {
-            Some(joined) => joined,
-            None => self.solved(observer)?.outcome(observer),
+        let mut of = |scene: &Scene| -> Result<Outcome, PipelineError> {
+            Ok(match joined::outcome(scene, &self.events, observer)? {
+                Some(joined) => joined,
+                None => self.solved(scene, observer)?.outcome(observer),
+            })
+        };
+        let outcome = match Groups::of(&self.scene, &self.events)? {
+            None => of(&self.scene)?,
+            Some(groups) => {
+                let parts = groups.scenes().map(|scene| of(&scene));
+                groups.together(parts.collect::<Result<_, _>>()?)
+            }
         };
         observer.phase(Phase::Done);
         Ok(outcome)
     }
 
-    fn solved(&self, observer: &mut dyn Observer) -> Result<Performed, PipelineError> {
-        Prepared::new(&self.scene, &self.events, observer)?.performed(observer)
+    fn solved(
+        &self,
+        scene: &Scene,
+        observer: &mut dyn Observer,
+    ) -> Result<Performed, PipelineError> {
+        Prepared::new(scene, &self.events, observer)?.performed(observer)
     }
 
     /// Number of marks: it determines how often a repeated collision happens.

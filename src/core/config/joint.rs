@@ -2,7 +2,7 @@
 
 mod refused;
 
-pub(super) use refused::{refuse_dependent, refuse_free};
+pub(super) use refused::{refuse, refuse_dependent};
 
 use std::ops::Range;
 
@@ -36,7 +36,6 @@ pub(super) fn join(raw: &RawScene, scene: &mut Scene) -> Result<(), Fault> {
     let Some(first) = joints.first().map(|(_, span)| span.clone()) else {
         return Ok(());
     };
-    refused::refuse(raw, scene)?;
     let mut mechanisms: Vec<Mechanism> = Vec::new();
     let mut left = joints;
     for link in scene.links.keys() {

@@ -9,7 +9,7 @@ use super::error::{Fault, fault};
 use super::event::events;
 use super::goal::{check, goals};
 use super::held::hold;
-use super::joint::{join, refuse_dependent, refuse_free};
+use super::joint::{join, refuse, refuse_dependent};
 use super::law::{self, Laws};
 use super::number::{
     Taken, direction, name, pose, positive, topic, unique, vector, vector_from_mm,
@@ -109,7 +109,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     scene.goals = goals;
     scene.rest_goals = rest_goals(&at_rest, &scene)?;
     parameters(&raw.free, &mut scene)?;
-    refuse_free(raw, &scene)?;
+    refuse(raw, &scene)?;
     for (event, spanned) in raw.event.iter().enumerate() {
         scene.contact_set(event).map_err(|error| Fault {
             span: spanned.span(),

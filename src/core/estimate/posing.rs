@@ -119,10 +119,11 @@ impl Problem {
         let collisions = collisions(scene, &arcs, &roles, &gravity_parameters, &parameter, hold);
         Self {
             conditions: conditions(scene, &arcs, &collisions, &gravity_parameters),
+            // What is apart has no arcs: any body stands for it.
             dynamics: scene
                 .mechanisms
-                .keys()
-                .map(|mechanism| scene.dynamics(mechanism))
+                .iter()
+                .filter_map(|of| Some(Dynamics::Free(scene.links[of.links().next()?].body)))
                 .collect(),
             gravity_m_s2: scene.gravity_m_s2,
             collisions,

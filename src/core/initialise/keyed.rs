@@ -40,7 +40,7 @@ pub(super) fn guesses(
     observer: &mut dyn Observer,
 ) -> Vec<Guess> {
     let mut of_all: Vec<(Vec<usize>, Vec<Way>)> = Vec::new();
-    for mechanism in scene.mechanisms.keys() {
+    for mechanism in scene.mechanisms.keys().filter(|of| !scene.is_apart(*of)) {
         let own: Vec<usize> = (0..segments.len())
             .filter(|index| segments[*index].mechanism == mechanism)
             .collect();

@@ -84,7 +84,44 @@ pub struct Tested {
     pub probability: f64,
 }
 
+impl WholeFit {
+    /// The tests of two motions as one: that which tells less of each quantity.
+    fn with(&self, other: &Self) -> Self {
+        let is_first = self.by_noise.probability <= other.by_noise.probability;
+        let untold = self.untold.iter().chain(&other.untold);
+        Self {
+            by_noise: if is_first {
+                self.by_noise
+            } else {
+                other.by_noise
+            },
+            is_noise: self.is_noise && other.is_noise,
+            log_odds_of_wander: self.log_odds_of_wander.min(other.log_odds_of_wander),
+            shown_m: self.shown_m.max(other.shown_m),
+            untold: untold.copied().collect(),
+        }
+    }
+}
+
 impl Fit {
+    /// Whether two motions explain their performances: both must. `counts` are the numbers of their samples.
+    pub fn with(&self, other: &Self, counts: [usize; 2]) -> Self {
+        let [own, others] = counts.map(|count| count as f64);
+        let both = |own_rms: f64, other_rms: f64| {
+            let sum = own * own_rms.powi(2) + others * other_rms.powi(2);
+            (sum / (own + others)).sqrt()
+        };
+        let of_kinds = |a: [f64; 2], b: [f64; 2]| [both(a[0], b[0]), both(a[1], b[1])];
+        let wholes = [&self.whole, &other.whole].into_iter().flatten().cloned();
+        Self {
+            fits: self.fits.max(other.fits),
+            joint: of_kinds(self.joint, other.joint),
+            alone: of_kinds(self.alone, other.alone),
+            parts: self.parts.iter().chain(&other.parts).cloned().collect(),
+            whole: wholes.reduce(|one, other| one.with(&other)),
+        }
+    }
+
     /// Whether the flights show a wander of the hand somewhere, with so great a logarithm of the odds.
     pub fn shows_wander(&self, log_odds: f64) -> bool {
         let mut parts = self.parts.iter();

@@ -39,11 +39,8 @@ impl Scene {
     /// Whether a whole sketch is of keyframes: every track's samples are, and all that is seen
     /// flies.
     pub fn is_keyframed(&self, sketch: &Sketch) -> bool {
-        let mut tracks = self.tracks.keys();
-        tracks.all(|track| {
-            let mechanism = self.mechanism_seen_by(track);
-            self.has_keyframes(sketch, track) && !self.is_held_mechanism(mechanism)
-        })
+        let mut tracks = self.tracks.keys().filter(|track| !self.sees_apart(*track));
+        tracks.all(|track| self.has_keyframes(sketch, track) && !self.sees_held(track))
     }
 
     /// The scene of an edited sketch with the clock of every flight but the first of each track

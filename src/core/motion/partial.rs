@@ -1,6 +1,6 @@
 //! The beginning of a scene: the part up to the last marked event.
 
-use super::scene::{Cone, Scene, Timing};
+use super::scene::{Scene, Timing};
 
 impl Scene {
     /// The scene with only its first `count` events: goals and parameters of later ones are
@@ -11,37 +11,20 @@ impl Scene {
         scene
             .goals
             .retain(|goal| goal.events().all(|event| event < count));
-        let is_kept = |index: &usize| {
-            let quantity = self.parameters[*index].quantity;
+        let cut = scene.clone();
+        scene.keep_parameters(|quantity| {
             let is_there = quantity.event().is_none_or(|event| event < count);
-            is_there && scene.untold(quantity).is_none()
-        };
-        let kept: Vec<usize> = (0..self.parameters.len()).filter(is_kept).collect();
-        self.keep_parameters(&kept, &mut scene);
+            is_there && cut.untold(quantity).is_none()
+        });
         // Of what only later events would tell apart the last stays as the scene has it.
-        while let Some(combination) = scene.told_together() {
-            let last = combination.parameters.last().copied();
-            let others = (0..scene.parameters.len()).filter(|index| Some(*index) != last);
-            scene
-                .clone()
-                .keep_parameters(&others.collect::<Vec<_>>(), &mut scene);
+        while let Some(last) = scene
+            .told_together()
+            .and_then(|of| of.parameters.last().copied())
+        {
+            let last = scene.parameters[last].quantity;
+            scene.keep_parameters(|quantity| quantity != last);
         }
         scene
-    }
-
-    /// Gives the other scene only these of the parameters, and cones of which both are there.
-    fn keep_parameters(&self, kept: &[usize], other: &mut Scene) {
-        let place = |index: usize| kept.iter().position(|kept| *kept == index);
-        let cone = |cone: &Cone| {
-            let [a, b] = cone.parameters.map(place);
-            let parameters = [a?, b?];
-            Some(Cone {
-                parameters,
-                limit: cone.limit,
-            })
-        };
-        other.cones = self.cones.iter().filter_map(cone).collect();
-        other.parameters = kept.iter().map(|i| self.parameters[*i].clone()).collect();
     }
 
     /// Number of events marked by marks with these names: as many as there are marks, and at least
@@ -62,6 +45,7 @@ impl Scene {
 
 #[cfg(test)]
 mod tests {
+    use super::super::scene::Cone;
     use super::*;
     use crate::config::scene_from_toml;
 

@@ -333,4 +333,18 @@ impl SampleCounts {
             *self.dropped.entry(reason).or_default() += count;
         }
     }
+
+    /// Adds what of another part of the same take was used or left out, beyond what both began with.
+    pub fn add_beyond(&mut self, other: &Self, begun: &Self) {
+        self.used += other.used;
+        for (reason, count) in &other.dropped {
+            let before = begun.dropped.get(reason).copied().unwrap_or(0);
+            self.drop(*reason, count - before);
+        }
+        let moved = other.marks.moved.iter();
+        self.marks
+            .moved
+            .extend(moved.filter(|of| !begun.marks.moved.contains(of)));
+        self.marks.moved.sort_unstable();
+    }
 }

@@ -7,7 +7,7 @@ mod tried;
 use self::tried::TriedField;
 use super::infer::NoContact;
 use super::outcome::{Outcome, PipelineError};
-use crate::motion::{DropReason, Observer, Phase, Scene, TakeEvent};
+use crate::motion::{DropReason, Observer, Phase, SampleCounts, Scene, Sketch, TakeEvent};
 use crate::segment;
 
 /// The outcome of a take; `None` of a scene in which no bodies are joined.
@@ -22,7 +22,6 @@ pub(super) fn outcome(
     observer.phase(Phase::Clean);
     let (mut sketch, mut counts) = segment::clean::clean(scene, events)?;
     segment::hold(scene, &mut sketch)?;
-    let span_s = sketch.whole_span_s(scene);
     let marks_made_s: Vec<Option<f64>> = sketch.marks_s.iter().copied().map(Some).collect();
     let field = TriedField {
         scene,
@@ -40,20 +39,7 @@ pub(super) fn outcome(
         let (tried, work) = infer::infer(&ranked, &field, observer);
         (ranked.events(), tried, Some(work))
     };
-    // Of what is held all samples tell its motion.
-    let flying = || sketch.tracks.iter().filter(|track| track.held.is_none());
-    let samples = || flying().flat_map(|track| &track.samples);
-    let held = sketch.tracks.iter().filter(|track| track.held.is_some());
-    let held: usize = held.map(|track| track.samples.len()).sum();
-    let before = samples()
-        .filter(|sample| sample.acted_s < span_s[0])
-        .count();
-    let after = samples()
-        .filter(|sample| sample.acted_s > span_s[1])
-        .count();
-    counts.used = held + samples().count() - before - after;
-    counts.drop(DropReason::BeforeStart, before);
-    counts.drop(DropReason::AfterEnd, after);
+    account(scene, &sketch, &mut counts);
     Ok(Some(Outcome {
         scene: tried.scene.clone(),
         given: tried.scene,
@@ -69,4 +55,25 @@ pub(super) fn outcome(
         diagnoses: Vec::new(),
         rest: None,
     }))
+}
+
+/// Counts the samples within the motion, and all of what is held; none of what is apart.
+fn account(scene: &Scene, sketch: &Sketch, counts: &mut SampleCounts) {
+    let [first_s, last_s] = sketch.whole_span_s(scene);
+    counts.used = 0;
+    for (track, of) in sketch.tracks.iter_enumerated() {
+        if scene.sees_held(track) {
+            counts.used += of.samples.len();
+        } else if scene.sees_moving(track) {
+            let begun = of
+                .samples
+                .partition_point(|sample| sample.acted_s < first_s);
+            let ended = of
+                .samples
+                .partition_point(|sample| sample.acted_s <= last_s);
+            counts.used += ended - begun;
+            counts.drop(DropReason::BeforeStart, begun);
+            counts.drop(DropReason::AfterEnd, of.samples.len() - ended);
+        }
+    }
 }

@@ -145,7 +145,7 @@ impl Prepared {
         } = self;
         let mut inferred = solve(&scene, &mut sketch, &cut, observer)?;
         follow(&mut sketch, &mut cut, &mut inferred, observer);
-        account(&sketch, &cut.segments, &mut counts);
+        account(&scene, &sketch, &cut.segments, &mut counts);
         Ok(Performed {
             inferred,
             sketch,

@@ -149,7 +149,7 @@ impl Preview {
         };
         inferred.solved.estimate.counters.assignment_rounds = cut.rounds;
         follow(&mut sketch, &mut cut, &mut inferred, observer);
-        account(&sketch, &cut.segments, &mut counts);
+        account(&self.scene, &sketch, &cut.segments, &mut counts);
         let (segments, solved) = (cut.segments.clone(), inferred.solved.estimate.verdict);
         let mut outcome = Outcome::unchecked(inferred, cut.marks_made_s, sketch, counts, observer);
         let doubts = doubts(&outcome);

@@ -63,6 +63,17 @@ pub struct SearchWork {
 }
 
 impl SearchWork {
+    /// The work of two searches for contacts that have nothing to do with each other.
+    pub(super) fn both(one: Option<Self>, other: Option<Self>) -> Option<Self> {
+        let (Some(mut both), Some(other)) = (one, other) else {
+            return one.or(other);
+        };
+        both.add(&other);
+        both.sequences *= other.sequences;
+        both.is_proven &= other.is_proven;
+        Some(both)
+    }
+
     /// Adds the work of another search of the same field.
     fn add(&mut self, other: &Self) {
         self.nodes += other.nodes;

@@ -73,12 +73,18 @@ pub(super) fn solve(
     Ok(inferred)
 }
 
-/// Counts the samples that segments use, and all of held bodies; those between a track's segments are near a collision.
-pub(super) fn account(sketch: &Sketch, segments: &[Segment], counts: &mut SampleCounts) {
+/// Counts the samples that segments use, and all of held bodies, but none of what is apart; those between a track's segments are near a collision.
+pub(super) fn account(
+    scene: &Scene,
+    sketch: &Sketch,
+    segments: &[Segment],
+    counts: &mut SampleCounts,
+) {
     counts.used = segments.iter().map(Segment::sample_count).sum();
     for (index, track) in sketch.tracks.iter_enumerated() {
-        if track.held.is_some() {
-            counts.used += track.samples.len();
+        if !scene.sees_moving(index) {
+            // All samples of what is held tell its motion.
+            counts.used += usize::from(scene.sees_held(index)) * track.samples.len();
             continue;
         }
         let of_track = || {

@@ -79,7 +79,7 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
         merge(&mut counts, &dropped);
     }
     let mut sketch = sketch(scene, events, &streams, &stamps, &mut counts);
-    let annotated_s = LazyCell::new(|| annotated_sd_s(&sketch.tracks));
+    let annotated_s = LazyCell::new(|| annotated_sd_s(scene, &sketch.tracks));
     for (event, mark) in sketch.marks.iter_mut().enumerate() {
         let changed = [&counts.marks.proposed, &counts.marks.late];
         let is_own = !changed.iter().any(|events| events.contains(&event));

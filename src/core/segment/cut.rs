@@ -33,12 +33,8 @@ pub fn samples_min(scene: &Scene, sketch: &Sketch, start_event: Option<usize>) -
 /// Segments come in order of their ends, so that neighbours in time are neighbours in the list.
 pub fn cut(scene: &Scene, sketch: &Sketch) -> Result<Vec<Segment>, SegmentError> {
     let mut segments = Vec::new();
-    // What is held does not fly.
-    for mechanism in scene
-        .mechanisms
-        .keys()
-        .filter(|of| !scene.is_held_mechanism(*of))
-    {
+    // What is held or apart does not fly here.
+    for mechanism in scene.mechanisms.keys().filter(|of| scene.moves(*of)) {
         cut_mechanism(scene, sketch, mechanism, &mut segments)?;
     }
     segments.sort_by_key(|segment| segment.end_event.unwrap_or(usize::MAX));

@@ -23,8 +23,11 @@ const PEOPLE_SD_S: f64 = 0.05;
 const ANNOTATED_SD_INTERVALS: f64 = 0.5;
 
 /// Standard deviation of marks that were made by looking at the stream \[s\].
-pub(super) fn annotated_sd_s(tracks: &TiSlice<TrackIndex, TrackSketch>) -> f64 {
-    let intervals_s = tracks.iter().map(median_interval_s);
+pub(super) fn annotated_sd_s(scene: &Scene, tracks: &TiSlice<TrackIndex, TrackSketch>) -> f64 {
+    let own = tracks
+        .iter_enumerated()
+        .filter(|(track, _)| !scene.sees_apart(*track));
+    let intervals_s = own.map(|(_, track)| median_interval_s(track));
     ANNOTATED_SD_INTERVALS * intervals_s.fold(0.0, f64::max)
 }
 

@@ -74,7 +74,7 @@ pub fn propose(scene: &Scene, sketch: &Sketch, count: Option<usize>) -> Vec<Prop
     let mut proposals = Vec::new();
     let tracks = sketch.tracks.iter_enumerated();
     // What is held has no flights to be fitted.
-    for (index, track) in tracks.filter(|(index, _)| !scene.sees_held(*index)) {
+    for (index, track) in tracks.filter(|(index, _)| scene.sees_moving(*index)) {
         let mechanism = scene.mechanism_seen_by(index);
         let events: Vec<usize> = (0..scene.events.len())
             .filter(|event| {

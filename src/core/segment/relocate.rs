@@ -38,7 +38,7 @@ pub fn relocate_marks(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
     }
     let mut moved = Vec::new();
     let tracks = sketch.tracks.iter_enumerated();
-    for (index, track) in tracks.filter(|(index, _)| !scene.sees_held(*index)) {
+    for (index, track) in tracks.filter(|(index, _)| scene.sees_moving(*index)) {
         if scene.has_keyframes(sketch, index) {
             continue;
         }

@@ -40,7 +40,7 @@ pub(super) struct Toss {
 /// The toss in a stream; `None` where it is none, or where all that is seen may be flights.
 pub(super) fn toss(scene: &Scene, index: TrackIndex, track: &TrackSketch) -> Option<Toss> {
     let is_joined = scene.joint_trees().next().is_some();
-    if scene.timing != Timing::Known || is_joined || scene.sees_held(index) {
+    if scene.timing != Timing::Known || is_joined || !scene.sees_moving(index) {
         return None;
     }
     let pull = scene
@@ -100,7 +100,7 @@ pub(super) fn ends_s(scene: &Scene, sketch: &Sketch) -> Option<[f64; 2]> {
         .count();
     let mut ends: Option<[f64; 2]> = None;
     for (index, track) in sketch.tracks.iter_enumerated() {
-        if scene.sees_held(index) {
+        if !scene.sees_moving(index) {
             continue;
         }
         let toss = toss(scene, index, track)?;

@@ -9,7 +9,7 @@
 
 use super::expected;
 use super::meeting::{MeetingPair, MeetingPartner, World};
-use crate::motion::{Observer, Penetration, Touch};
+use crate::motion::{LinkIndex, Observer, Penetration, Touch};
 use crate::physics::contact::Feature;
 
 /// Way travelled between two distance queries inside an overlap \[m\].
@@ -41,8 +41,31 @@ pub(super) fn deepest(
     touches: &mut [Touch],
     observer: &mut dyn Observer,
 ) -> Option<Penetration> {
+    deepest_of(world, world.meetings(), touches, observer)
+}
+
+/// The deepest overlap of links of which this says that nothing ties them.
+pub(super) fn deepest_between(
+    world: &World,
+    are_apart: &dyn Fn(LinkIndex, LinkIndex) -> bool,
+    observer: &mut dyn Observer,
+) -> Option<Penetration> {
+    let is_between = |meeting: &MeetingPair| match meeting.partner {
+        MeetingPartner::Link { index, .. } => are_apart(meeting.index, index),
+        MeetingPartner::Plane { .. } | MeetingPartner::Obstacle { .. } => false,
+    };
+    let meetings = world.meetings().filter(is_between);
+    deepest_of(world, meetings, &mut [], observer)
+}
+
+fn deepest_of<'w>(
+    world: &World,
+    meetings: impl Iterator<Item = MeetingPair<'w>>,
+    touches: &mut [Touch],
+    observer: &mut dyn Observer,
+) -> Option<Penetration> {
     let mut deepest: Option<Penetration> = None;
-    for meeting in world.meetings() {
+    for meeting in meetings {
         if observer.should_stop() {
             break;
         }

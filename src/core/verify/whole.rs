@@ -2,7 +2,7 @@
 
 use super::meeting::World;
 use super::{balance, overlap, pull, shot, touch};
-use crate::motion::{Estimate, Observer, Scene, Touch, Verification};
+use crate::motion::{Estimate, LinkIndex, Observer, Penetration, Scene, Touch, Verification};
 
 /// Checks an estimated motion independently of its estimation.
 ///
@@ -35,6 +35,19 @@ pub fn verify_until(
         single_shot: shot::shoot(&world),
         balance: balance::balance(&world),
     })
+}
+
+/// The deepest overlap of two links that move apart from each other, beyond what the scene may be inaccurate: what is found
+/// until the observer ends it.
+///
+/// The estimate's arcs must be finite and the scene valid.
+pub fn deepest_between(
+    scene: &Scene,
+    estimate: &Estimate,
+    are_apart: &dyn Fn(LinkIndex, LinkIndex) -> bool,
+    observer: &mut dyn Observer,
+) -> Option<Penetration> {
+    overlap::deepest_between(&World::new(scene, estimate), are_apart, observer)
 }
 
 /// When a motion begins to go into something, deeper than the scene may be inaccurate \[s\]; `None` where it does not.

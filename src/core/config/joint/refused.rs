@@ -2,103 +2,220 @@
 
 use std::ops::Range;
 
-use crate::config::spanned::Spanned;
-
 use crate::config::error::{Fault, fault};
 use crate::config::event::link_of;
-use crate::config::raw::{RawEvent, RawScene};
-use crate::motion::{LinkIndex, Quantity, Scene, Timing, TreeTouch};
+use crate::config::raw::{RawBody, RawEvent, RawGoal, RawScene};
+use crate::config::spanned::Spanned;
+use crate::motion::{Group, LinkIndex, Quantity, Scene, Timing, TreeTouch};
 use crate::physics::impact::ImpactError;
 use crate::physics::tree::ForestSnapshot;
 
-/// Refuses a scene with joints that asks for what is not done there.
-pub(super) fn refuse(raw: &RawScene, scene: &Scene) -> Result<(), Fault> {
+/// Refuses a scene with joints that asks for what is not done of joined bodies and of what is estimated together with them.
+pub(in crate::config) fn refuse(raw: &RawScene, scene: &Scene) -> Result<(), Fault> {
+    if scene.joint_trees().next().is_none() {
+        return Ok(());
+    }
     if scene.timing == Timing::Edited {
         return fault(
             raw.timing.stamps.span(),
             "joined bodies move from start to end at once, expected stamps = \"physical\" or \"tempo\"",
         );
     }
-    for event in &raw.event {
-        refuse_event(event)?;
-    }
-    for (span, said) in unused(raw) {
-        if let Some(span) = span {
-            return fault(span, said);
-        }
-    }
-    match scene.links.keys().find(|link| scene.is_held(*link)) {
-        Some(hand) => refuse_beside(raw, scene, hand),
-        None => Ok(()),
-    }
-}
-
-/// Refuses what is not done of joined bodies beside a held one: its motion, and theirs with it, is told by stamps.
-fn refuse_beside(raw: &RawScene, scene: &Scene, hand: LinkIndex) -> Result<(), Fault> {
-    let name = &scene.links[hand].name;
-    if matches!(scene.timing, Timing::Unknown { .. }) {
-        let said = format!(
-            "{name:?} is held in a scene with joints, where the tempo must be known: expected stamps = \"physical\""
-        );
-        return fault(raw.timing.stamps.span(), said);
-    }
-    for event in &raw.event {
-        let kind = &event.get_ref().kind;
-        if kind.get_ref() == "collision" {
-            let said = format!(
-                "{name:?} is held in a scene with joints, where nothing is hit: expected no collision"
+    let joined = JoinedPart::new(scene);
+    for (spanned, event) in raw.event.iter().zip(0..) {
+        let event_of = spanned.get_ref();
+        let is_counted = event_of.kind.get_ref() == "collision" && joined.has_event(event);
+        if let Some(count) = event_of.count.as_ref().filter(|_| is_counted) {
+            return fault(
+                count.span(),
+                "collisions in a scene with joints are listed one by one, expected no count",
             );
-            return fault(kind.span(), said);
         }
     }
-    for goal in &raw.goal {
-        let Some(other) = &goal.get_ref().relative_to else {
-            continue;
+    if let Some((span, said)) = joined.unused(raw).next() {
+        return fault(span, said);
+    }
+    if let Some(hand) = scene.links.keys().find(|link| scene.is_held(*link)) {
+        joined.refuse_beside(raw, hand)?;
+    }
+    joined.refuse_free(raw)
+}
+
+/// What of a scene is estimated together with joined bodies.
+struct JoinedPart<'a> {
+    scene: &'a Scene,
+    /// All groups, and which of them have joined bodies.
+    groups: Vec<(Group, bool)>,
+}
+
+impl<'a> JoinedPart<'a> {
+    fn new(scene: &'a Scene) -> Self {
+        let is_tree = |of: &Group| {
+            of.mechanisms
+                .iter()
+                .any(|of| scene.joint_tree(*of).is_some())
         };
-        if scene.is_held(link_of(other, scene)?) {
-            let said = "goals of joined bodies are not relative to a held one, expected another body or angles_deg";
-            return fault(other.span(), said);
+        let groups = scene.groups().into_iter();
+        Self {
+            scene,
+            groups: groups.map(|of| (of.clone(), is_tree(&of))).collect(),
         }
     }
-    Ok(())
+
+    fn has_link(&self, link: LinkIndex) -> bool {
+        let mechanism = self.scene.mechanism_of(link);
+        let own = self.groups.iter().find(|(group, _)| group.has(mechanism));
+        own.is_none_or(|(_, is_joined)| *is_joined)
+    }
+
+    /// Of a start or an end, which are everybody's, too.
+    fn has_event(&self, event: usize) -> bool {
+        let mut links = self
+            .scene
+            .links_at(event)
+            .into_iter()
+            .filter(|of| !self.scene.is_held(*of));
+        links.next().is_none_or(|first| self.has_link(first))
+    }
+
+    /// Whether a goal is about joined bodies, or about nobody.
+    fn has_goal(&self, raw: &RawGoal) -> bool {
+        let link = raw
+            .body
+            .as_ref()
+            .and_then(|body| link_of(body, self.scene).ok());
+        let mut events = self.scene.events.iter();
+        match (link, events.position(|of| of.name == *raw.event.get_ref())) {
+            (Some(link), _) => self.has_link(link),
+            (None, Some(event)) => self.has_event(event),
+            (None, None) => true,
+        }
+    }
+
+    /// Refuses what is not done of joined bodies beside a held one: its motion, and theirs with it, is told by stamps.
+    fn refuse_beside(&self, raw: &RawScene, hand: LinkIndex) -> Result<(), Fault> {
+        let scene = self.scene;
+        let name = &scene.links[hand].name;
+        if matches!(scene.timing, Timing::Unknown { .. }) {
+            let said = format!(
+                "{name:?} is held in a scene with joints, where the tempo must be known: expected stamps = \"physical\""
+            );
+            return fault(raw.timing.stamps.span(), said);
+        }
+        for (event, index) in raw.event.iter().zip(0..) {
+            let kind = &event.get_ref().kind;
+            if kind.get_ref() == "collision" && self.has_event(index) {
+                let said = format!(
+                    "{name:?} is held in a scene with joints, where nothing is hit: expected no collision"
+                );
+                return fault(kind.span(), said);
+            }
+        }
+        for goal in raw
+            .goal
+            .iter()
+            .map(Spanned::get_ref)
+            .filter(|goal| self.has_goal(goal))
+        {
+            let Some(other) = &goal.relative_to else {
+                continue;
+            };
+            if scene.is_held(link_of(other, scene)?) {
+                let said = "goals of joined bodies are not relative to a held one, expected another body or angles_deg";
+                return fault(other.span(), said);
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses free quantities that act on joined bodies and are not of the law of an impact.
+    fn refuse_free(&self, raw: &RawScene) -> Result<(), Fault> {
+        let scene = self.scene;
+        let is_done = |quantity: Quantity| {
+            let is_of_law = matches!(
+                quantity,
+                Quantity::Restitution { .. } | Quantity::Friction { .. } | Quantity::Tilt { .. }
+            );
+            let told = scene.told_by(quantity);
+            let joined = self.groups.iter().filter(|(_, is_joined)| *is_joined);
+            let is_told = |(group, _): &(Group, bool)| told.iter().any(|of| group.has(*of));
+            is_of_law || !joined.into_iter().any(is_told)
+        };
+        let Some(other) = scene.parameters.iter().find(|of| !is_done(of.quantity)) else {
+            return Ok(());
+        };
+        let mut named = raw.free.iter().map(|free| &free.quantity);
+        let place = named.find(|name| other.name.starts_with(name.get_ref().as_str()));
+        let said = format!(
+            "of a scene with joints restitution, friction and tilts of its collisions may be free, expected one of them instead of {:?}",
+            other.name
+        );
+        fault(place.map_or(0..0, Spanned::span), said)
+    }
+
+    /// Keys that a motion with joints does not heed, and what is expected instead.
+    fn unused<'r>(
+        &'r self,
+        raw: &'r RawScene,
+    ) -> impl Iterator<Item = (Range<usize>, &'static str)> + 'r {
+        let bodies = raw.body.iter().zip(self.scene.links.keys());
+        let bodies = bodies.filter(|(_, link)| self.has_link(*link));
+        let of_bodies = bodies.flat_map(|(body, _)| unused_of_body(body.get_ref()));
+        let events = raw.event.iter().zip(0..);
+        let events = events.filter(|(_, event)| self.has_event(*event));
+        let of_events = events.flat_map(|(event, _)| unused_of_event(event.get_ref()));
+        let goals = raw.goal.iter().map(Spanned::get_ref);
+        let of_goals = goals
+            .filter(|goal| self.has_goal(goal))
+            .flat_map(unused_of_goal);
+        let all = of_bodies.chain(of_events).chain(of_goals);
+        all.filter_map(|(span, said)| Some((span?, said)))
+    }
 }
 
-/// Refuses free quantities of a scene with joints that are not of the law of an impact.
-pub(in crate::config) fn refuse_free(raw: &RawScene, scene: &Scene) -> Result<(), Fault> {
-    if scene.joint_trees().next().is_none() {
-        return Ok(());
-    }
-    let of_law = |quantity| {
-        matches!(
-            quantity,
-            Quantity::Restitution { .. } | Quantity::Friction { .. } | Quantity::Tilt { .. }
-        )
-    };
-    let Some(other) = scene.parameters.iter().find(|of| !of_law(of.quantity)) else {
-        return Ok(());
-    };
-    let mut named = raw.free.iter().map(|free| &free.quantity);
-    let place = named.find(|name| other.name.starts_with(name.get_ref().as_str()));
-    let said = format!(
-        "of a scene with joints restitution, friction and tilts of its collisions may be free, expected one of them instead of {:?}",
-        other.name
-    );
-    fault(place.map_or(0..0, Spanned::span), said)
+/// A key that is not heeded, where it is there, and what is expected instead.
+type Unused = (Option<Range<usize>>, &'static str);
+
+fn span<T>(of: &Option<Spanned<T>>) -> Option<Range<usize>> {
+    of.as_ref().map(Spanned::span)
 }
 
-/// Collisions in a scene with joints are listed one by one.
-fn refuse_event(spanned: &Spanned<RawEvent>) -> Result<(), Fault> {
-    let event = spanned.get_ref();
-    if event.kind.get_ref() != "collision" {
-        return Ok(());
-    }
-    match &event.count {
-        Some(count) => fault(
-            count.span(),
-            "collisions in a scene with joints are listed one by one, expected no count",
+fn unused_of_body(body: &RawBody) -> Vec<Unused> {
+    let flies =
+        "bodies of a scene with joints fly in gravity alone, expected neither force nor drag";
+    let weighs = "samples in a scene with joints weigh what that says, expected no weights";
+    let tracks = body
+        .track
+        .iter()
+        .map(|track| (span(&track.get_ref().weights), weighs));
+    let own = [
+        (span(&body.force_m_s2), flies),
+        (span(&body.drag_linear_per_s), flies),
+        (span(&body.drag_quadratic_per_m), flies),
+    ];
+    own.into_iter().chain(tracks).collect()
+}
+
+fn unused_of_event(event: &RawEvent) -> Vec<Unused> {
+    let said = "times of events in a scene with joints are told by their marks alone, expected no other time of the event";
+    let times = [&event.time_sd_ms, &event.earliest_ms, &event.latest_ms].map(span);
+    let all = times.into_iter().chain([span(&event.time)]);
+    all.map(|span| (span, said)).collect()
+}
+
+fn unused_of_goal(goal: &RawGoal) -> Vec<Unused> {
+    let timed = "a motion with joints begins and ends at the marks, expected no goal of a time";
+    let touches = "where bodies touch is no point for goals in a scene with joints, expected point_mm or feature";
+    let contact = goal.contact.as_ref().filter(|of| *of.get_ref());
+    vec![
+        (span(&goal.time_ms), timed),
+        (span(&goal.time_within_ms), timed),
+        (contact.map(Spanned::span), touches),
+        (
+            span(&goal.face_up),
+            "joined bodies are not led to how they rest, expected no face_up",
         ),
-        None => Ok(()),
-    }
+    ]
 }
 
 /// Refuses collisions of two bodies that a joint ties to each other: whether they overlap beside it is not looked at.
@@ -152,55 +269,4 @@ fn depends(scene: &Scene, touch: &TreeTouch) -> bool {
         let impact = snapshot.impact(pose, &touch.at, &touch.law);
         matches!(impact, Err(ImpactError::Dependent { .. }))
     })
-}
-
-/// Keys that a motion with joints does not heed, and what is expected instead.
-fn unused(raw: &RawScene) -> impl Iterator<Item = (Option<Range<usize>>, &'static str)> {
-    fn span<T>(of: &Option<Spanned<T>>) -> Option<Range<usize>> {
-        of.as_ref().map(Spanned::span)
-    }
-    let of_bodies = raw.body.iter().flat_map(|body| {
-        let body = body.get_ref();
-        let said =
-            "bodies of a scene with joints fly in gravity alone, expected neither force nor drag";
-        [
-            (span(&body.force_m_s2), said),
-            (span(&body.drag_linear_per_s), said),
-            (span(&body.drag_quadratic_per_m), said),
-        ]
-    });
-    let tracks = raw.body.iter().flat_map(|body| &body.get_ref().track);
-    let of_tracks = tracks.map(|track| {
-        let said = "samples in a scene with joints weigh what that says, expected no weights";
-        (span(&track.get_ref().weights), said)
-    });
-    let of_events = raw.event.iter().flat_map(|event| {
-        let event = event.get_ref();
-        let said = "times of events in a scene with joints are told by their marks alone, expected no other time of the event";
-        [&event.time_sd_ms, &event.earliest_ms, &event.latest_ms]
-            .map(|of| (span(of), said))
-            .into_iter()
-            .chain([(span(&event.time), said)])
-    });
-    let at_rest = raw.goal.iter().map(|goal| {
-        let said = "joined bodies are not led to how they rest, expected no face_up";
-        (span(&goal.get_ref().face_up), said)
-    });
-    let of_goals = raw.goal.iter().flat_map(|goal| {
-        let goal = goal.get_ref();
-        let said = "a motion with joints begins and ends at the marks, expected no goal of a time";
-        [
-            (span(&goal.time_ms), said),
-            (span(&goal.time_within_ms), said),
-            (
-                goal.contact.as_ref().filter(|of| *of.get_ref()).map(Spanned::span),
-                "where bodies touch is no point for goals in a scene with joints, expected point_mm or feature",
-            ),
-        ]
-    });
-    of_bodies
-        .chain(of_tracks)
-        .chain(of_events)
-        .chain(of_goals)
-        .chain(at_rest)
 }

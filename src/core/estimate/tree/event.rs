@@ -19,13 +19,18 @@ pub struct TreeEvent {
     pub free: FreeLaw,
 }
 
-/// The events between the start and the end, in the scene's order.
+/// The events of what moves here between the start and the end, in the scene's order.
 ///
 /// # Panics
 /// Where [`Scene::tree_touch`] says nothing of a collision: what reads scenes refuses those.
 pub(super) fn events(scene: &Scene, sketch: &Sketch) -> Vec<TreeEvent> {
     let within = scene.events.iter().enumerate();
-    let within = within.filter(|(_, of)| !matches!(of.kind, EventKind::Start | EventKind::End));
+    let is_here = |kind: &EventKind| match kind {
+        EventKind::Start | EventKind::End => false,
+        EventKind::Waypoint(link) => scene.moves(scene.mechanism_of(*link)),
+        EventKind::Collision(_) | EventKind::Collisions { .. } => true,
+    };
+    let within = within.filter(|(_, of)| is_here(&of.kind));
     within
         .map(|(event, of)| TreeEvent {
             event,

@@ -33,6 +33,7 @@ pub(super) fn motions(
                 let arcs = arcs(problem, line, scene, mechanism, knots, events);
                 motions.arcs.extend(arcs);
             }
+            Mechanism::Apart(_) => {}
             Mechanism::Tree(_) => motions.trees.push(TreeEstimate {
                 mechanism,
                 knots: own_knots(problem, index, knots),

@@ -46,11 +46,11 @@ impl<'s> Residual<'s> {
     }
 }
 
-/// The samples of all links that are not held within a span \[s\], in order of time.
+/// The samples of all links that move here within a span \[s\], in order of time.
 pub(super) fn samples(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<TreeSample> {
     let mut samples = Vec::new();
     for (index, track) in scene.tracks.iter_enumerated() {
-        if scene.is_held(track.link) {
+        if !scene.sees_moving(index) {
             continue;
         }
         let place = scene.place_of(track.link);

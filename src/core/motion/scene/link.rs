@@ -84,28 +84,34 @@ pub enum Mechanism {
     Free(LinkIndex),
     /// Bodies joined in a tree.
     Tree(JointTree),
+    /// Links of another [group](super::Group), whose motion is estimated by itself.
+    Apart(Vec<LinkIndex>),
 }
 
 impl Mechanism {
     /// Its links.
     pub fn links(&self) -> impl Iterator<Item = LinkIndex> + '_ {
-        let (free, tree) = match self {
-            Mechanism::Free(link) => (Some(*link), None),
-            Mechanism::Tree(tree) => (None, Some(tree)),
+        let (some, tree): (&[LinkIndex], _) = match self {
+            Mechanism::Free(link) => (std::slice::from_ref(link), None),
+            Mechanism::Tree(tree) => (&[], Some(tree)),
+            Mechanism::Apart(links) => (links, None),
         };
-        free.into_iter()
-            .chain(tree.into_iter().flat_map(JointTree::links))
+        let joined = tree.into_iter().flat_map(JointTree::links);
+        some.iter().copied().chain(joined)
     }
 
     /// The link, if it is one by itself.
     pub fn free(&self) -> Option<LinkIndex> {
         match self {
             Mechanism::Free(link) => Some(*link),
-            Mechanism::Tree(_) => None,
+            Mechanism::Tree(_) | Mechanism::Apart(_) => None,
         }
     }
 
     /// The tree that it is: a body by itself is one without joints.
+    ///
+    /// # Panics
+    /// Where it is apart: it does not move here.
     pub fn as_tree(&self) -> Cow<'_, JointTree> {
         match self {
             Mechanism::Free(link) => Cow::Owned(JointTree {
@@ -113,13 +119,14 @@ impl Mechanism {
                 joints: Vec::new(),
             }),
             Mechanism::Tree(tree) => Cow::Borrowed(tree),
+            Mechanism::Apart(_) => unreachable!("what is apart does not move here"),
         }
     }
 
     /// The tree, if it is one.
     pub fn tree(&self) -> Option<&JointTree> {
         match self {
-            Mechanism::Free(_) => None,
+            Mechanism::Free(_) | Mechanism::Apart(_) => None,
             Mechanism::Tree(tree) => Some(tree),
         }
     }

@@ -47,11 +47,11 @@ impl Scene {
         trees.any(|(_, tree)| self.hand_of(tree) == Some(link))
     }
 
-    /// The mechanisms whose motion is unknown: all but what is held. In this order they are the trees of the
+    /// The mechanisms whose motion is unknown: all but what is held or apart. In this order they are the trees of the
     /// [forest](Scene::forest).
     pub fn moving(&self) -> impl Iterator<Item = (MechanismIndex, &Mechanism)> {
         let all = self.mechanisms.iter_enumerated();
-        all.filter(|(index, _)| !self.is_held_mechanism(*index))
+        all.filter(|(index, _)| self.moves(*index))
     }
 
     /// The equations of motion of a tree that hangs from no hand.
@@ -121,6 +121,7 @@ impl Scene {
                 let motion = estimate.tree_motion(mechanism)?;
                 Some(motion.state(tree, gravity_m_s2, time_s))
             }
+            Mechanism::Apart(_) => None,
         });
         let parts: Option<Vec<TreeState>> = parts.collect();
         Some(TreeState {

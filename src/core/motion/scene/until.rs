@@ -1,7 +1,6 @@
 //! The part of a scene before an event.
 
 use super::event::{Event, EventKind};
-use super::parameter::Cone;
 use super::quantity::Quantity;
 use super::whole::Scene;
 
@@ -29,19 +28,9 @@ impl Scene {
             Quantity::Restitution { law } | Quantity::Friction { law } => has(law),
             _ => quantity.event().is_none_or(|of| of < event),
         };
-        let kept: Vec<usize> = (0..self.parameters.len())
-            .filter(|at| is_told(self.parameters[*at].quantity))
-            .collect();
-        let place = |at: usize| kept.iter().position(|of| *of == at);
-        let cones = self.cones.iter().filter_map(|cone| {
-            let [a, b] = cone.parameters;
-            Some(Cone {
-                parameters: [place(a)?, place(b)?],
-                limit: cone.limit,
-            })
-        });
-        scene.cones = cones.collect();
-        scene.parameters = kept.iter().map(|at| self.parameters[*at].clone()).collect();
+        let told = self.parameters.iter().filter(|of| is_told(of.quantity));
+        let told: Vec<Quantity> = told.map(|of| of.quantity).collect();
+        scene.keep_parameters(|quantity| told.contains(&quantity));
         scene
     }
 }

@@ -38,6 +38,9 @@ pub enum Untold {
         "a held body moves as it was tracked: neither its inertia nor what pulls at it changes that"
     )]
     Held,
+    /// Of what is estimated by itself.
+    #[error("it moves by itself, and the rest of the scene tells nothing of it")]
+    Apart,
     /// The tracker of a body in the hand that nothing hits.
     #[error("nothing hits this held body, so that nothing tells of its tracker")]
     HeldApart,
@@ -113,7 +116,10 @@ impl Scene {
             {
                 Some(Untold::NoClock)
             }
-            Quantity::ClockOffset { .. } => unless(self.tracks.len() > 1, Untold::OnlyClock),
+            Quantity::ClockOffset { .. } => {
+                let own = self.tracks.keys().filter(|track| !self.sees_apart(*track));
+                unless(own.count() > 1, Untold::OnlyClock)
+            }
             Quantity::SurfaceHeight { surface } | Quantity::SurfaceTilt { surface, .. } => {
                 self.surface_untold(surface)
             }
@@ -133,8 +139,24 @@ impl Scene {
         }
     }
 
-    /// Why no performance can tell a quantity of a held body.
+    /// Why no performance can tell a quantity of a body that is held or apart.
     fn held_untold(&self, quantity: Quantity) -> Option<Untold> {
+        let link = match quantity {
+            Quantity::Force { link, .. }
+            | Quantity::LinearDrag { link }
+            | Quantity::QuadraticDrag { link }
+            | Quantity::Moment { link, .. }
+            | Quantity::Mass { link }
+            | Quantity::Centre { link, .. } => Some(link),
+            Quantity::TrackerPosition { track, .. }
+            | Quantity::TrackerOrientation { track, .. }
+            | Quantity::ClockRate { track }
+            | Quantity::ClockOffset { track } => Some(self.tracks[track].link),
+            _ => None,
+        };
+        if link.is_some_and(|link| self.is_apart(self.mechanism_of(link))) {
+            return Some(Untold::Apart);
+        }
         match quantity {
             Quantity::Force { link, .. }
             | Quantity::LinearDrag { link }

@@ -188,6 +188,26 @@ impl Scene {
         links.any(|link| self.is_held(link))
     }
 
+    /// Whether the motion of a mechanism is unknown and estimated here: it is neither held nor apart.
+    pub fn moves(&self, mechanism: MechanismIndex) -> bool {
+        !self.is_apart(mechanism) && !self.is_held_mechanism(mechanism)
+    }
+
+    /// Whether the tracker is mounted on what [moves](Self::moves).
+    pub fn sees_moving(&self, track: TrackIndex) -> bool {
+        self.moves(self.mechanism_seen_by(track))
+    }
+
+    /// Whether a mechanism is estimated by itself ([`Mechanism::Apart`]).
+    pub fn is_apart(&self, mechanism: MechanismIndex) -> bool {
+        matches!(self.mechanisms[mechanism], Mechanism::Apart(_))
+    }
+
+    /// Whether the tracker is mounted on what is apart.
+    pub fn sees_apart(&self, track: TrackIndex) -> bool {
+        self.is_apart(self.mechanism_seen_by(track))
+    }
+
     /// Whether the tracker is mounted on a link in the hand.
     pub fn sees_held(&self, track: TrackIndex) -> bool {
         self.is_held(self.tracks[track].link)
@@ -224,7 +244,7 @@ impl Scene {
         let mechanisms = collision.links().map(|link| self.mechanism_of(link));
         mechanisms.flat_map(move |mechanism| {
             let is_its = move |track: &TrackIndex| {
-                self.mechanism_seen_by(*track) == mechanism && !self.sees_held(*track)
+                self.mechanism_seen_by(*track) == mechanism && self.moves(mechanism)
             };
             self.tracks.keys().filter(is_its)
         })

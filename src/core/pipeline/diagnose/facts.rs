@@ -26,12 +26,13 @@ impl Facts<'_> {
 
     /// Whether a tracker says something of a track; keyframes of it are of the body itself.
     pub(super) fn is_tracked(&self, of: TrackIndex) -> bool {
-        self.events.iter().any(|event| match event {
-            TakeEvent::Pose { track, sample, .. } => {
-                *track == of && sample.from == SampleSource::Tracker
-            }
-            TakeEvent::Mark(_) => false,
-        })
+        !self.scene.sees_apart(of)
+            && self.events.iter().any(|event| match event {
+                TakeEvent::Pose { track, sample, .. } => {
+                    *track == of && sample.from == SampleSource::Tracker
+                }
+                TakeEvent::Mark(_) => false,
+            })
     }
 
     /// Who says how the bodies move: somebody who wrote it down only where no tracker does.

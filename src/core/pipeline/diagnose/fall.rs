@@ -51,12 +51,8 @@ fn fallen(scene: &Scene, events: &[TakeEvent]) -> Option<Vec<SeenFall>> {
         else {
             continue;
         };
-        // What is held does not fall.
-        if scene
-            .tracks
-            .get(*track)
-            .is_some_and(|of| scene.is_held(of.link))
-        {
+        // What is held or apart does not fall here.
+        if scene.tracks.get(*track).is_some() && !scene.sees_moving(*track) {
             continue;
         }
         let of = (*track, *stream);

@@ -97,7 +97,11 @@ impl<'a> Seeker<'a> {
     fn new(take: &'a Performed, limit_s: f64) -> Option<Self> {
         let solved = &take.inferred.solved;
         let scene = take.inferred.scene.as_estimated(&solved.estimate);
-        let mechanisms: Vec<MechanismIndex> = scene.mechanisms.keys().collect();
+        let mechanisms: Vec<MechanismIndex> = scene
+            .mechanisms
+            .keys()
+            .filter(|of| !scene.is_apart(*of))
+            .collect();
         Some(Self {
             take,
             limit_s,

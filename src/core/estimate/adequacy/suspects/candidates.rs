@@ -14,7 +14,8 @@ pub(in crate::estimate::adequacy) enum Which {
 /// Quantities that are suspected together: the components of one thing. Gravity's size is one more
 /// thing than its vector.
 pub(super) fn groups(scene: &Scene, which: Which) -> Vec<Vec<Quantity>> {
-    let is_alone = scene.mechanisms.len() == 1;
+    let all = scene.mechanisms.keys();
+    let is_alone = all.filter(|of| !scene.is_apart(*of)).count() == 1;
     let is_candidate = |quantity: &Quantity| {
         let means_something = match quantity {
             Quantity::LinearDrag { .. }
