@@ -214,3 +214,32 @@ fn a_ball_by_itself_is_refused_nothing() {
         .to_string();
     assert!(said.contains("neither force nor drag"), "{said}");
 }
+
+/// Collisions of the ball are counted, and all goes on until it rests: the ball on the table, the lamp on its hook.
+#[test]
+fn bounces_are_counted_beside_a_lamp_and_all_comes_to_rest() {
+    let text = ball_toml("", "") + &lamp_toml(FAR.nail_mm);
+    let counted = text.replace("restitution = 0.7", "count = [1, 3]\nrestitution = 0.7");
+    assert!(counted != text);
+    let counted = format!("settle_s = 20\n{counted}");
+    let unnamed = take(Some(&FAR)).into_iter().map(|event| match event {
+        TakeEvent::Mark(mark) => TakeEvent::Mark(Mark {
+            event: None,
+            ..mark
+        }),
+        pose => pose,
+    });
+    let outcome = Pipeline::of(scene(&counted), unnamed).finish(&mut ());
+    let outcome = outcome.expect("an estimate");
+    assert_eq!(outcome.estimate.verdict, Verdict::Physical);
+    let names = outcome.scene.events.iter().map(|event| event.name.as_str());
+    assert_eq!(names.collect::<Vec<_>>().len(), 3);
+    let settled = outcome.settled.expect("it goes on");
+    let [ball, lamp] = [0, 1].map(|link| {
+        let poses = &settled.links[enact::motion::LinkIndex(link)].poses;
+        poses.last().expect("poses").translation.vector
+    });
+    assert!((ball.z - RADIUS_M).abs() < 2e-3, "{ball}");
+    let nail_m = Vector3::from(FAR.nail_mm) * 1e-3;
+    assert!(((lamp - nail_m).norm() - 0.1).abs() < 1e-3, "{lamp}");
+}

@@ -16,3 +16,4 @@ mod settle;
 mod skip;
 mod swings;
 mod tempo;
+mod times;

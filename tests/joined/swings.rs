@@ -223,13 +223,8 @@ fn scenes_of_joined_bodies_that_make_no_sense_are_refused() {
         ),
         (
             "kind = \"end\"",
-            "kind = \"end\"\ntime = \"unknown\"",
-            "by their marks",
-        ),
-        (
-            "[[goal]]",
-            "[[goal]]\nevent = \"end\"\ntime_ms = 500\nsd_ms = 10\n[[goal]]",
-            "no goal of a time",
+            "kind = \"end\"\ntime = \"free\"",
+            "begins and ends at the marks",
         ),
     ] {
         let text = whole.replacen(from, to, 1);

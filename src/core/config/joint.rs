@@ -60,6 +60,7 @@ pub(super) fn join(raw: &RawScene, scene: &mut Scene) -> Result<(), Fault> {
         return fault(span.clone(), said);
     }
     for tree in mechanisms.iter().filter_map(Mechanism::tree) {
+        refused::refuse_links(raw, scene, tree)?;
         let model = tree.model(|link| scene.links[link].body);
         if let Err(error) = model {
             return fault(
@@ -72,13 +73,6 @@ pub(super) fn join(raw: &RawScene, scene: &mut Scene) -> Result<(), Fault> {
     let has_hand = moving.into_iter().any(|link| scene.is_held(link));
     if has_hand && let Some(settle_s) = &raw.settle_s {
         let said = "joined bodies are not continued beside a held one, expected no settle_s";
-        return fault(settle_s.span(), said);
-    }
-    if mechanisms.len() > 1
-        && let Some(settle_s) = &raw.settle_s
-    {
-        let said =
-            "a tree with others beside it is not continued until all rests, expected no settle_s";
         return fault(settle_s.span(), said);
     }
     scene.mechanisms = mechanisms.into();

@@ -45,9 +45,8 @@ impl Scene {
 
 #[cfg(test)]
 mod tests {
-    use super::super::scene::Cone;
-    use super::*;
     use crate::config::scene_from_toml;
+    use crate::motion::Cone;
 
     #[test]
     fn later_events_take_their_goals_and_parameters_with_them() {

@@ -7,6 +7,7 @@ mod tried;
 use self::tried::TriedField;
 use super::infer::NoContact;
 use super::outcome::{Outcome, PipelineError};
+use super::perform::marks;
 use crate::motion::{DropReason, Observer, Phase, SampleCounts, Scene, Sketch, TakeEvent};
 use crate::segment;
 
@@ -20,6 +21,7 @@ pub(super) fn outcome(
         return Ok(None);
     }
     observer.phase(Phase::Clean);
+    let scene = &scene.with_marks(marks(events));
     let (mut sketch, mut counts) = segment::clean::clean(scene, events)?;
     segment::hold(scene, &mut sketch)?;
     let marks_made_s: Vec<Option<f64>> = sketch.marks_s.iter().copied().map(Some).collect();

@@ -6,7 +6,7 @@ use crate::config::error::{Fault, fault};
 use crate::config::event::link_of;
 use crate::config::raw::{RawBody, RawEvent, RawGoal, RawScene};
 use crate::config::spanned::Spanned;
-use crate::motion::{Group, LinkIndex, Quantity, Scene, Timing, TreeTouch};
+use crate::motion::{Group, JointTree, LinkIndex, Quantity, Scene, Timing, TreeTouch};
 use crate::physics::impact::ImpactError;
 use crate::physics::tree::ForestSnapshot;
 
@@ -22,16 +22,6 @@ pub(in crate::config) fn refuse(raw: &RawScene, scene: &Scene) -> Result<(), Fau
         );
     }
     let joined = JoinedPart::new(scene);
-    for (spanned, event) in raw.event.iter().zip(0..) {
-        let event_of = spanned.get_ref();
-        let is_counted = event_of.kind.get_ref() == "collision" && joined.has_event(event);
-        if let Some(count) = event_of.count.as_ref().filter(|_| is_counted) {
-            return fault(
-                count.span(),
-                "collisions in a scene with joints are listed one by one, expected no count",
-            );
-        }
-    }
     if let Some((span, said)) = joined.unused(raw).next() {
         return fault(span, said);
     }
@@ -39,6 +29,17 @@ pub(in crate::config) fn refuse(raw: &RawScene, scene: &Scene) -> Result<(), Fau
         joined.refuse_beside(raw, hand)?;
     }
     joined.refuse_free(raw)
+}
+
+/// Refuses a tree of which a body says what trees do not heed.
+pub(super) fn refuse_links(raw: &RawScene, scene: &Scene, tree: &JointTree) -> Result<(), Fault> {
+    let bodies = raw.body.iter().zip(scene.links.keys());
+    let bodies = bodies.filter(|(_, link)| tree.links().any(|of| of == *link));
+    let mut unused = bodies.flat_map(|(body, _)| unused_of_body(body.get_ref()));
+    match unused.find_map(|(span, said)| Some((span?, said))) {
+        Some((span, said)) => fault(span, said),
+        None => Ok(()),
+    }
 }
 
 /// What of a scene is estimated together with joined bodies.
@@ -161,9 +162,9 @@ impl<'a> JoinedPart<'a> {
         let bodies = raw.body.iter().zip(self.scene.links.keys());
         let bodies = bodies.filter(|(_, link)| self.has_link(*link));
         let of_bodies = bodies.flat_map(|(body, _)| unused_of_body(body.get_ref()));
-        let events = raw.event.iter().zip(0..);
-        let events = events.filter(|(_, event)| self.has_event(*event));
-        let of_events = events.flat_map(|(event, _)| unused_of_event(event.get_ref()));
+        let is_end = |event: &&RawEvent| ["start", "end"].contains(&event.kind.get_ref().as_str());
+        let ends = raw.event.iter().map(Spanned::get_ref).filter(is_end);
+        let of_events = ends.flat_map(unused_of_end);
         let goals = raw.goal.iter().map(Spanned::get_ref);
         let of_goals = goals
             .filter(|goal| self.has_goal(goal))
@@ -196,20 +197,17 @@ fn unused_of_body(body: &RawBody) -> Vec<Unused> {
     own.into_iter().chain(tracks).collect()
 }
 
-fn unused_of_event(event: &RawEvent) -> Vec<Unused> {
-    let said = "times of events in a scene with joints are told by their marks alone, expected no other time of the event";
+fn unused_of_end(event: &RawEvent) -> Vec<Unused> {
+    let said = "a motion with joints begins and ends at the marks, expected no other time of a start or an end";
     let times = [&event.time_sd_ms, &event.earliest_ms, &event.latest_ms].map(span);
     let all = times.into_iter().chain([span(&event.time)]);
     all.map(|span| (span, said)).collect()
 }
 
 fn unused_of_goal(goal: &RawGoal) -> Vec<Unused> {
-    let timed = "a motion with joints begins and ends at the marks, expected no goal of a time";
     let touches = "where bodies touch is no point for goals in a scene with joints, expected point_mm or feature";
     let contact = goal.contact.as_ref().filter(|of| *of.get_ref());
     vec![
-        (span(&goal.time_ms), timed),
-        (span(&goal.time_within_ms), timed),
         (contact.map(Spanned::span), touches),
         (
             span(&goal.face_up),

@@ -3,6 +3,15 @@
 use super::law::FreeLaw;
 use crate::motion::{EventKind, Scene, Sketch, TreeTouch};
 
+/// An event of the scene with the stamp of its mark.
+#[derive(Clone, Copy, Debug)]
+pub struct StampedEvent {
+    /// Index into `Scene::events`.
+    pub event: usize,
+    /// \[s, acted\].
+    pub acted_s: f64,
+}
+
 /// An event within the motion.
 #[derive(Clone, Debug)]
 pub struct TreeEvent {
@@ -11,6 +20,8 @@ pub struct TreeEvent {
     /// About when it is \[s, acted\]: samples before belong to the motion before it, later ones to that after it,
     /// wherever its estimated time is.
     pub about_s: f64,
+    /// Earliest and latest acted time \[s\]; equal where its time is given, `None` where it is free.
+    pub window_s: Option<[f64; 2]>,
     /// When it was marked, and the mark's standard deviation \[s, acted\].
     pub mark_s: Option<[f64; 2]>,
     /// What hits what; none at a waypoint, where the motion goes on as it was.
@@ -35,6 +46,7 @@ pub(super) fn events(scene: &Scene, sketch: &Sketch) -> Vec<TreeEvent> {
         .map(|(event, of)| TreeEvent {
             event,
             about_s: sketch.marks_s[event],
+            window_s: window_s(scene, sketch, event),
             mark_s: sketch.marks[event].map(|mark| [mark.acted_s, mark.sd_s / mark.counted.sqrt()]),
             touch: of.kind.collision().map(|_| {
                 let touch = scene.tree_touch(event);
@@ -43,6 +55,17 @@ pub(super) fn events(scene: &Scene, sketch: &Sketch) -> Vec<TreeEvent> {
             free: FreeLaw::of(scene, event),
         })
         .collect()
+}
+
+/// What the scene lets the acted time of an event be \[s\].
+fn window_s(scene: &Scene, sketch: &Sketch, event: usize) -> Option<[f64; 2]> {
+    let mark_s = sketch.marks[event].map_or(sketch.marks_s[event], |mark| mark.acted_s);
+    let time = &scene.events[event].time;
+    let after_s = match scene.time_is_free(event) {
+        true => time.is_bounded().then_some(time.window_s)?,
+        false => [0.0; 2],
+    };
+    Some(after_s.map(|after_s| mark_s + after_s))
 }
 
 impl TreeEvent {

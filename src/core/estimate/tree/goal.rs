@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::event::StampedEvent;
 use crate::estimate::problem::unit;
 use crate::motion::{BodyPoint, Condition, GoalSet, Scene, Sketch};
 
@@ -14,6 +15,8 @@ pub struct TreeGoal {
     pub event: usize,
     /// Stamp of its event \[s\].
     pub acted_s: f64,
+    /// Of a time the event since which it is counted.
+    pub since: Option<StampedEvent>,
     /// The link's place in the forest, and that of the link in whose axes it is seen.
     pub places: [usize; 2],
     /// Point of the link that it is about [m, link axes].
@@ -28,8 +31,13 @@ pub struct TreeGoal {
 pub(super) fn goals(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<TreeGoal> {
     let mut all = Vec::new();
     for (index, goal) in scene.goals.iter().enumerate() {
-        let place = scene.place_of(goal.link);
+        let acted_s = |event: usize| sketch.marks_s[event].clamp(span_s[0], span_s[1]);
         for condition in goal.target.conditions() {
+            // Of a time the link says nothing.
+            let place = match condition.quantity.is_time() {
+                true => 0,
+                false => scene.place_of(goal.link),
+            };
             let seen_from = condition.quantity.seen_from();
             let other = seen_from.map_or(place, |link| scene.place_of(link));
             let point_m = match condition.quantity.point() {
@@ -45,7 +53,11 @@ pub(super) fn goals(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<Tre
             all.push(TreeGoal {
                 goal: index,
                 event: goal.event,
-                acted_s: sketch.marks_s[goal.event].clamp(span_s[0], span_s[1]),
+                acted_s: acted_s(goal.event),
+                since: condition.quantity.since().map(|event| StampedEvent {
+                    event,
+                    acted_s: acted_s(event),
+                }),
                 places: [place, other],
                 point_m,
                 condition,

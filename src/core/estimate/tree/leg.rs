@@ -179,7 +179,8 @@ impl TreeProgram<'_> {
             event: Some(event - events.start),
             kind,
         };
-        for (index, goal) in problem.goals.iter().enumerate() {
+        let goals = problem.goals.iter().enumerate();
+        for (index, goal) in goals.filter(|(_, goal)| !goal.is_timed()) {
             let kind = ItemKind::Goal(index, goal);
             match problem.event_within(goal) {
                 Some(event) if events.contains(&event) => {

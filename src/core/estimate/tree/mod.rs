@@ -33,6 +33,7 @@ mod segments;
 pub mod solve;
 pub mod tempo;
 mod time_line;
+mod timed;
 mod valley;
 mod walk;
 mod weak;

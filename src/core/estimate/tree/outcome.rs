@@ -13,15 +13,17 @@ use crate::estimate::constraint::bound::at_bound;
 use crate::estimate::outcome::progress;
 use crate::estimate::problem::unit;
 use crate::motion::{
-    Counters, DurationEstimate, End, Estimate, EventEstimate, FitUntold, Gap, GoalUnit, LinkIndex,
-    Mechanism, MotionPart, Observer, ParameterEstimate, Reason, SampleTime, Scene, Sketch,
-    Undetermined, Verdict,
+    AtBound, Counters, DurationEstimate, End, Estimate, EventEstimate, FitUntold, Gap, GoalUnit,
+    LinkIndex, Mechanism, MotionPart, Observer, ParameterEstimate, Reason, SampleTime, Scene,
+    Sketch, Undetermined, Verdict,
 };
 
 /// Share of a direction's information below which the prior says more of it than the sketch.
 const TOLD: f64 = 0.5;
 /// A part of an open direction is named where it has this share of the greatest part.
 const NAMED: f64 = 0.3;
+/// A time is at its bound if it is nearer to it than this share of a typical change of it.
+const NEAR: f64 = 1e-6;
 
 /// How much is told of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -203,7 +205,17 @@ fn of_event(
             (line.time_s(acted_s), acted_s)
         }
     };
-    let is_fixed = within.is_none() && !(line.is_unknown() && acted_s > problem.span_s[0]);
+    let window_s = within.and_then(|within| problem.events[within].window_s);
+    let is_given = within.is_none() || window_s.is_some_and(|[from_s, to_s]| from_s == to_s);
+    let is_fixed = is_given && !(line.is_unknown() && acted_s > problem.span_s[0]);
+    let at_bound = window_s
+        .filter(|_| !is_given)
+        .and_then(|[earliest_s, latest_s]| {
+            let is_at = |bound_s: f64| (acted_s - bound_s).abs() <= NEAR * unit::TIME_S;
+            let bounds = [(AtBound::Lower, earliest_s), (AtBound::Upper, latest_s)];
+            let mut bounds = bounds.into_iter();
+            bounds.find_map(|(bound, bound_s)| is_at(bound_s).then_some(bound))
+        });
     let moment = || match within {
         Some(within) => vec![(problem.unknown_of_event(within), 1.0)],
         None => line.moment(problem, acted_s),
@@ -213,7 +225,7 @@ fn of_event(
         time_s,
         sd_s: (!is_fixed).then(|| sd_of(moment())).flatten(),
         is_fixed,
-        at_bound: None,
+        at_bound,
         acted_s,
         gap: gap(solved, event, within),
         leaning: None,

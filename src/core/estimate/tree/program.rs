@@ -69,6 +69,10 @@ impl<'a> TreeProgram<'a> {
         };
         let mut blocks: Vec<BlockPattern> = Vec::new();
         for goal in &problem.goals {
+            if goal.is_timed() {
+                blocks.push(problem.timed_pattern(goal));
+                continue;
+            }
             let node = problem.node_of(problem.about_s(goal));
             blocks.push(BlockPattern::dense(
                 goal.row_count(),
@@ -135,6 +139,14 @@ impl<'a> TreeProgram<'a> {
             }
         }
         problem.fill_bounds(point, &self.structure.blocks, &mut system.blocks);
+        problem.fill_timed(
+            point,
+            &self.structure.blocks,
+            system,
+            &mut |off, by, system| {
+                self.pull(off, by, 1.0, system);
+            },
+        );
         self.calm(part, point, system);
     }
 

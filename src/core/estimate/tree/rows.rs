@@ -70,19 +70,24 @@ pub(super) fn touch(
     }
 }
 
-/// Unknowns that the rows of an event's order are about.
+/// Unknowns that the rows of an event's order and of its window are about.
 pub(super) fn order_unknowns(problem: &TreeProblem, event: usize) -> Vec<Vec<usize>> {
     let time = |event: usize| problem.unknown_of_event(event);
     let after = event.checked_sub(1).into_iter().chain([event]).map(time);
     let mut rows = vec![after.collect()];
+    let paces = (0..problem.pace_count()).map(|piece| problem.unknown_of_pace(piece));
+    let with_paces: Vec<usize> = [time(event)].into_iter().chain(paces).collect();
     if event + 1 == problem.events.len() {
-        let paces = (0..problem.pace_count()).map(|piece| problem.unknown_of_pace(piece));
-        rows.push([time(event)].into_iter().chain(paces).collect());
+        rows.push(with_paces.clone());
+    }
+    if problem.events[event].window_s.is_some() {
+        rows.push(with_paces);
     }
     rows
 }
 
-/// Order of events: each is after the one before it, the last before the end. These rows end the event's block.
+/// Order of events: each is after the one before it, the last before the end; and the window of its acted time, if it has
+/// one. These rows end the event's block.
 pub(super) fn order(
     problem: &TreeProblem,
     event: usize,
@@ -93,10 +98,14 @@ pub(super) fn order(
 ) {
     let here_s = times_s[event];
     let mut row = problem.events[event].touch_row_count();
-    let mut put = |value_s: f64, by: &[f64]| {
+    let later = [0.0, f64::INFINITY];
+    let mut put = |value_s: f64, bounds_s: [f64; 2], by: &[f64]| {
         block.values[row] = value_s / unit::TIME_S;
-        block.bounds[row] = (0.0, f64::INFINITY);
+        let [lower, upper] = bounds_s.map(|bound_s| bound_s / unit::TIME_S);
+        block.bounds[row] = (lower, upper);
         let entries = block.derivatives_mut(pattern, row);
+        // Paces later than an event do not move it.
+        entries.fill(0.0);
         for (entry, by) in entries.iter_mut().zip(by) {
             *entry = by / unit::TIME_S;
         }
@@ -104,13 +113,18 @@ pub(super) fn order(
     };
     let [from_s, to_s] = line.physical_span_s();
     match event.checked_sub(1) {
-        Some(before) => put(here_s - times_s[before], &[-1.0, 1.0]),
-        None => put(here_s - from_s, &[1.0]),
+        Some(before) => put(here_s - times_s[before], later, &[-1.0, 1.0]),
+        None => put(here_s - from_s, later, &[1.0]),
     }
     if event + 1 == times_s.len() {
         let by_paces = line.by_log_paces(problem.span_s[1]);
         let by: Vec<f64> = [-1.0].into_iter().chain(by_paces).collect();
-        put(to_s - here_s, &by);
+        put(to_s - here_s, later, &by);
+    }
+    if let Some([earliest_s, latest_s]) = problem.events[event].window_s {
+        let (acted_s, by) = line.acted_by(problem, event, here_s);
+        let by: Vec<f64> = by.into_iter().map(|(_, by)| by).collect();
+        put(acted_s - earliest_s, [0.0, latest_s - earliest_s], &by);
     }
 }
 
