@@ -130,6 +130,8 @@ feature = "end"
 surface = "table"
 restitution = 0.6
 friction = 0.2
+earliest_ms = -30
+latest_ms = 40
 
 [[event]]
 name = "by"
@@ -165,6 +167,21 @@ sd_m_s = 0.3
 event = "again"
 body = "rod 2"
 velocity_m_s = [1, 0, 0]
+
+[[goal]]
+event = "again"
+since = "hit"
+time_ms = 50
+
+[[goal]]
+event = "last"
+time_ms = 70
+sd_ms = 20
+
+[[goal]]
+event = "end"
+since = "by"
+time_within_ms = [60, 80]
 
 "#;
 
@@ -241,7 +258,7 @@ fn derivatives_by_the_tempo_are_those_of_differences() {
             check(&problem, &point);
         }
         for event in &mut problem.events {
-            event.mark_s = None;
+            (event.mark_s, event.window_s) = (None, None);
         }
     }
 }
