@@ -119,8 +119,18 @@ fn a_lamp_far_away_changes_nothing_of_a_ball() {
             for (alone, beside) in one.events.iter().zip(&other.events) {
                 assert_eq!(alone, beside);
             }
-            assert_eq!(alone.verification, beside.verification);
-            assert!(beside.verification.is_some() && other.trees.len() == 1);
+            let [alone_of, of] = [&alone, &beside].map(|of| of.verification.as_ref());
+            let (alone_of, of) = (alone_of.expect("checks"), of.expect("checks"));
+            assert_eq!(alone_of.touches, of.touches);
+            let [ball, lamp] = &of.single_shot.deviations[1..] else {
+                panic!("an end of each: {:?}", of.single_shot.deviations);
+            };
+            assert_eq!(Some(ball), alone_of.single_shot.deviations.last());
+            assert!(
+                lamp.position_m < 1e-7 && lamp.angular_velocity_rad_s < 1e-5,
+                "{lamp:?}"
+            );
+            assert!(of.balance.flight_energy < 1e-6, "{:?}", of.balance);
             assert_eq!(one.verdict, Verdict::Physical);
             assert_eq!(other.verdict, Verdict::Physical, "{:?}", other.doubts);
             let fit = other.fit.as_ref().expect("it is told");

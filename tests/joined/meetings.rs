@@ -237,7 +237,6 @@ fn meetings_that_are_not_done_are_refused() {
             "name = \"box\"\ndrag_linear_per_s = 0.1\n",
             "gravity alone",
         ),
-        ("[timing]", "settle_s = 2\n\n[timing]", "beside it"),
     ] {
         let text = whole.replacen(from, to, 1);
         assert_ne!(text, whole, "{from}");

@@ -184,7 +184,40 @@ pub struct Verification {
     pub balance: Balance,
 }
 
+impl Balance {
+    /// The larger violation of each law.
+    fn max(&self, other: &Self) -> Self {
+        Self {
+            flight_energy: self.flight_energy.max(other.flight_energy),
+            flight_momentum: self.flight_momentum.max(other.flight_momentum),
+            flight_angular_momentum: self
+                .flight_angular_momentum
+                .max(other.flight_angular_momentum),
+            impact_energy: self.impact_energy.max(other.impact_energy),
+            impact_momentum: self.impact_momentum.max(other.impact_momentum),
+            impact_angular_momentum: self
+                .impact_angular_momentum
+                .max(other.impact_angular_momentum),
+        }
+    }
+}
+
 impl Verification {
+    /// The results of the checks of two motions of one scene.
+    pub fn with(mut self, other: Self) -> Self {
+        let both = [self.deepest, other.deepest].into_iter().flatten();
+        self.deepest = both.reduce(|a, b| if b.depth_m > a.depth_m { b } else { a });
+        self.touches.extend(other.touches);
+        self.touches.sort_by_key(|touch| touch.event);
+        self.pulls.extend(other.pulls);
+        let shot = &mut self.single_shot;
+        shot.deviations.extend(other.single_shot.deviations);
+        shot.restarts.extend(other.single_shot.restarts);
+        shot.missed.extend(other.single_shot.missed);
+        self.balance = self.balance.max(&other.balance);
+        self
+    }
+
     /// The touches where another part than expected would have touched first.
     pub fn wrong_features(&self) -> impl Iterator<Item = &Touch> {
         self.touches.iter().filter(|touch| touch.is_wrong)

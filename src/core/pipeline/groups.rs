@@ -82,7 +82,10 @@ impl Groups {
             whole.freed.extend(part.freed);
             whole.inferred.extend(part.inferred);
             whole.search = SearchWork::both(whole.search, part.search);
-            whole.verification = whole.verification.or(part.verification);
+            whole.verification = whole
+                .verification
+                .zip(part.verification)
+                .map(|(one, other)| one.with(other));
             whole.diagnoses.extend(part.diagnoses);
         }
         whole.inferred.sort_unstable();

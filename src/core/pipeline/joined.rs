@@ -52,7 +52,7 @@ pub(super) fn outcome(
         marks_made_s,
         counts,
         estimate: tried.estimate,
-        verification: None,
+        verification: tried.verification,
         settled: None,
         diagnoses: Vec::new(),
         rest: None,

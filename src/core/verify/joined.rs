@@ -12,6 +12,7 @@
 //! | overlap of links that no joint ties, and with the world; parts that touch before what is named | as of bodies ([`Scene::tolerance_m`]) | |
 
 mod again;
+mod energy;
 mod flights;
 mod limits;
 mod link;
@@ -23,7 +24,8 @@ use super::credible::marks;
 use super::meeting::World;
 use super::{overlap, touch};
 use crate::motion::{
-    About, Doubt, Estimate, Observer, Place, Pull, Scene, Sketch, TrackIndex, Verdict,
+    About, Balance, Doubt, Estimate, Observer, Place, Pull, Scene, SingleShot, Sketch, TrackIndex,
+    Verdict, Verification,
 };
 use crate::physics::tree::Snapshot;
 
@@ -37,6 +39,15 @@ const GAP_M: f64 = 1e-6;
 const RECEDING_M_S: f64 = 1e-6;
 const ENERGY: f64 = 1e-9;
 
+/// What checks found of a motion of joined bodies.
+#[derive(Clone, Debug)]
+pub struct JoinedCheck {
+    /// What speaks against it.
+    pub doubts: Vec<Doubt>,
+    /// What was measured; `None` of what is no motion.
+    pub verification: Option<Verification>,
+}
+
 /// Doubts about all that moves of a scene with joined bodies, given when marks of events were made \[s, acted\].
 pub fn doubts(
     scene: &Scene,
@@ -44,17 +55,18 @@ pub fn doubts(
     marks_made_s: &[Option<f64>],
     estimate: &Estimate,
 ) -> Vec<Doubt> {
-    doubts_until(scene, sketch, marks_made_s, estimate, &mut ()).expect("nobody ends it")
+    let found = check_until(scene, sketch, marks_made_s, estimate, &mut ());
+    found.expect("nobody ends it").doubts
 }
 
-/// The same for as long as the observer lets it; `None` where it was ended.
-pub fn doubts_until(
+/// The checks for as long as the observer lets them; `None` where it ended them.
+pub fn check_until(
     scene: &Scene,
     sketch: &Sketch,
     marks_made_s: &[Option<f64>],
     estimate: &Estimate,
     observer: &mut dyn Observer,
-) -> Option<Vec<Doubt>> {
+) -> Option<JoinedCheck> {
     if observer.should_stop() {
         return None;
     }
@@ -102,11 +114,11 @@ pub fn doubts_until(
         .into_iter()
         .flatten(),
     );
-    doubts.extend(off.pulls.iter().filter_map(Pull::doubt));
     let is_finite = estimate.trees.iter().all(|motion| motion.is_finite())
         && estimate.arcs.iter().all(|arc| arc.state.is_finite());
     // What failed is no motion that could be called physical; joints that whirl take long to follow from all sides.
     let is_motion = is_finite && estimate.verdict != Verdict::Failed;
+    let mut verification = None;
     if is_motion && !estimate.trees.is_empty() {
         let world = World::new(scene, estimate);
         doubts.extend(flights::doubts(scene, &world, estimate));
@@ -115,11 +127,29 @@ pub fn doubts_until(
         if observer.should_stop() {
             return None;
         }
-        doubts.extend(deepest.map(|deepest| deepest.doubt(scene.tolerance_m)));
-        let wrong = touches.iter().filter(|touch| touch.is_wrong);
-        doubts.extend(wrong.map(|touch| touch.doubt(scene.tolerance_m)));
+        let found = verification.insert(Verification {
+            tolerance_m: scene.tolerance_m,
+            deepest,
+            touches,
+            pulls: off.pulls,
+            single_shot: SingleShot {
+                deviations: off.ends,
+                ..SingleShot::default()
+            },
+            balance: Balance {
+                flight_energy: energy::largest_change(scene, estimate),
+                impact_energy: off.energy.max(0.0),
+                ..Balance::default()
+            },
+        });
+        doubts.extend(found.doubts());
+    } else {
+        doubts.extend(off.pulls.iter().filter_map(Pull::doubt));
     }
-    Some(doubts)
+    Some(JoinedCheck {
+        doubts,
+        verification,
+    })
 }
 
 fn beyond(about: About, value: f64, bound: f64) -> Option<Doubt> {

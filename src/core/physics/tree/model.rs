@@ -134,6 +134,12 @@ impl Tree {
         }
     }
 
+    /// Whether its energy stays what it is between impacts: nothing damps or drives it, and no joint has a spring.
+    pub fn keeps_energy(&self) -> bool {
+        let is_passive = |of: &TreeNode| of.damping_n_m_s == 0.0 && of.stiffness_n_m == 0.0;
+        !self.is_in_hand() && self.nodes.iter().all(is_passive)
+    }
+
     /// Whether it hangs from a hand.
     pub fn is_in_hand(&self) -> bool {
         self.hand.is_some()

@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 
 use crate::estimate::tree::{self, Led, Solved, Told, TreeProblem};
 use crate::initialise;
-use crate::motion::{About, End, Estimate, Observer, Scene, Sketch, Verdict};
+use crate::motion::{About, End, Estimate, Observer, Scene, Sketch, Verdict, Verification};
 use crate::physics::tree::TreeState;
 use crate::verify;
 
@@ -25,6 +25,8 @@ pub(super) struct TriedField<'a> {
 pub(super) struct Tried {
     pub(super) scene: Scene,
     pub(super) estimate: Estimate,
+    /// What checks measured of it.
+    pub(super) verification: Option<Verification>,
     pub(super) solved: Solved,
     /// How likely its samples are, once somebody asks.
     evidence: OnceCell<Option<f64>>,
@@ -110,19 +112,27 @@ impl TriedField<'_> {
         observer: &mut dyn Observer,
     ) -> Tried {
         let mut estimate = tree::estimate(&scene, self.sketch, &solved, told, observer);
-        match verify::joined::doubts_until(
+        let found = verify::joined::check_until(
             &scene,
             self.sketch,
             self.marks_made_s,
             &estimate,
             observer,
-        ) {
-            Some(doubts) => estimate.doubt(doubts),
-            None => estimate.is_not_verified(),
-        }
+        );
+        let verification = match found {
+            Some(found) => {
+                estimate.doubt(found.doubts);
+                found.verification
+            }
+            None => {
+                estimate.is_not_verified();
+                None
+            }
+        };
         Tried {
             scene,
             estimate,
+            verification,
             solved,
             evidence: OnceCell::new(),
             told,

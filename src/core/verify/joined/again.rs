@@ -1,10 +1,10 @@
 //! The motion of all once more from its first state alone, with steps of half the length: through impacts by their
 //! law, at the times that were estimated.
 
-use nalgebra::Vector3;
-
 use super::larger;
-use crate::motion::{Estimate, Pull, Scene, TreeTouch};
+use crate::motion::{Deviation, Estimate, LinkIndex, Pull, Scene, TreeTouch};
+use crate::physics::State;
+use crate::physics::state::part;
 use crate::physics::tree::{ForestFlow, ForestSnapshot, TreeState, tableau};
 use crate::verify::pull;
 
@@ -17,6 +17,8 @@ pub(super) struct Off {
     pub(super) gap_m: f64,
     /// How fast the contact of an impact recedes before it [m/s].
     pub(super) receding_m_s: f64,
+    /// Of each link at the end.
+    pub(super) ends: Vec<Deviation>,
     /// Contacts that pull.
     pub(super) pulls: Vec<Pull>,
     /// What an impact gains of the kinetic energy of what takes part, of that before.
@@ -77,19 +79,24 @@ pub(super) fn off(scene: &Scene, estimate: &Estimate) -> Off {
             flow.advance(interval_s, 2 * steps);
         }
         now_s = knot.time_s;
-        let places = |snapshot: &ForestSnapshot| -> Vec<Vector3<f64>> {
-            let links = 0..forest.link_count();
-            links.map(|of| snapshot.link_state(of).position_m).collect()
+        let states = |snapshot: &ForestSnapshot| -> Vec<State> {
+            (0..forest.link_count())
+                .map(|of| snapshot.link_state(of))
+                .collect()
         };
         let Some(here) = told(knot.time_s) else {
             off.position_m = f64::INFINITY;
             return off;
         };
         snapshot.set(&here);
-        let here = places(&snapshot);
+        let here = states(&snapshot);
         snapshot.set(&flow.state());
-        for (a, b) in here.iter().zip(places(&snapshot)) {
-            off.position_m = larger(off.position_m, (a - b).norm());
+        let again = states(&snapshot);
+        let both = scene.forest_links().zip(again.iter().zip(&here));
+        let ends = both.map(|(link, (again, here))| deviation(link, again, here));
+        off.ends = ends.collect();
+        for end in &off.ends {
+            off.position_m = larger(off.position_m, end.position_m);
         }
     }
     if touches.peek().is_some() {
@@ -97,6 +104,21 @@ pub(super) fn off(scene: &Scene, estimate: &Estimate) -> Off {
         off.gap_m = f64::INFINITY;
     }
     off
+}
+
+/// How far a link ends from where it was told to \[m, rad, m/s, rad/s\].
+fn deviation(link: LinkIndex, again: &State, told: &State) -> Deviation {
+    let off = again.minus(told);
+    let norm = |part: usize| off.fixed_rows::<3>(part).norm();
+    Deviation {
+        link,
+        event: None,
+        time_s: 0.0,
+        position_m: norm(part::POSITION),
+        orientation_rad: norm(part::ORIENTATION),
+        velocity_m_s: norm(part::VELOCITY),
+        angular_velocity_rad_s: norm(part::ANGULAR_VELOCITY),
+    }
 }
 
 /// Impacts by their times, in order, with their events.
