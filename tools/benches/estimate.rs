@@ -9,7 +9,9 @@
 //! from the one before; the other groups are the parts of `cold`, and `after` what follows: the checks, and settling. The
 //! performances are those of `tools/perform` with seed 1.
 
+use enact::config::scene_from_toml;
 use enact::motion::Sketch;
+use enact_tools::beside::Beside;
 use enact_tools::case::{Case, Posed, estimated};
 use enact_tools::perform::{Acting, Style, bounces};
 
@@ -129,6 +131,22 @@ mod cold {
     fn cube_ten_bounces_known(bencher: divan::Bencher) {
         run(bencher, &cube());
     }
+
+    /// To be held against the next: what a lamp adds that nothing ties to it.
+    #[divan::bench]
+    fn ball(bencher: divan::Bencher) {
+        let of = Beside::of(SEED);
+        let scene = scene_from_toml(&of.ball_toml("", "")).expect("a valid scene");
+        let events = of.take_of_ball();
+        bencher.bench_local(|| estimated(&scene, &events, &mut ()));
+    }
+
+    #[divan::bench]
+    fn ball_beside_a_lamp(bencher: divan::Bencher) {
+        let of = Beside::of(SEED);
+        let (scene, events) = (of.scene(), of.take());
+        bencher.bench_local(|| estimated(&scene, &events, &mut ()));
+    }
 }
 
 /// The preview after eight samples more, from the one before: to be held against `cold`.
@@ -236,6 +254,22 @@ mod initialise {
     fn cube_ten_bounces_known(bencher: divan::Bencher) {
         run(bencher, &cube());
     }
+
+    /// To be held against the next: what a lamp adds that nothing ties to it.
+    #[divan::bench]
+    fn ball(bencher: divan::Bencher) {
+        let of = Beside::of(SEED);
+        let scene = scene_from_toml(&of.ball_toml("", "")).expect("a valid scene");
+        let events = of.take_of_ball();
+        bencher.bench_local(|| estimated(&scene, &events, &mut ()));
+    }
+
+    #[divan::bench]
+    fn ball_beside_a_lamp(bencher: divan::Bencher) {
+        let of = Beside::of(SEED);
+        let (scene, events) = (of.scene(), of.take());
+        bencher.bench_local(|| estimated(&scene, &events, &mut ()));
+    }
 }
 
 /// One iteration of the finish at the guess: objective and constraints with all derivatives,
@@ -277,6 +311,22 @@ mod iteration {
     #[divan::bench]
     fn cube_ten_bounces_known(bencher: divan::Bencher) {
         run(bencher, &cube());
+    }
+
+    /// To be held against the next: what a lamp adds that nothing ties to it.
+    #[divan::bench]
+    fn ball(bencher: divan::Bencher) {
+        let of = Beside::of(SEED);
+        let scene = scene_from_toml(&of.ball_toml("", "")).expect("a valid scene");
+        let events = of.take_of_ball();
+        bencher.bench_local(|| estimated(&scene, &events, &mut ()));
+    }
+
+    #[divan::bench]
+    fn ball_beside_a_lamp(bencher: divan::Bencher) {
+        let of = Beside::of(SEED);
+        let (scene, events) = (of.scene(), of.take());
+        bencher.bench_local(|| estimated(&scene, &events, &mut ()));
     }
 }
 

@@ -1,7 +1,7 @@
 //! What the tools and the tests of `enact` share.
 //!
 //! - performances with known truth: [`perform`], estimated as a [`case`]; [`goals`] near them; [`hands`] that wander
-//!   otherwise, [`nonsense`] that is no such performance, and what makes it hard ([`stress`],
+//!   otherwise, [`nonsense`] that is no such performance, what nothing ties to it ([`beside`]), and what makes it hard ([`stress`],
 //!   [`mod@open`]); real [`tosses`] of a cube, of household [`objects`] and of an [`elbow`];
 //! - answers from elsewhere: [`starts`] of the solver about the truth, covariances by [`dense`]
 //!   matrices, other [`methods`] of estimation, [`ways`] of posing the same problem, free turns to
@@ -15,6 +15,7 @@
 #![forbid(unsafe_code)]
 
 pub mod apart;
+pub mod beside;
 pub mod case;
 pub mod dense;
 pub mod elbow;
