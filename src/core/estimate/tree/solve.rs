@@ -10,11 +10,12 @@ use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
 use super::valley::walked;
+use super::walk::ROUGHLY;
 use crate::math::random::Random;
 use crate::motion::{Observer, Phase};
 use crate::optimise::descend::{Descent, Patience};
 use crate::optimise::lagrangian::AugmentedLagrangian;
-use crate::optimise::{Program, Schedule, Work};
+use crate::optimise::{Program, Schedule, System, Work};
 use crate::physics::tree::TreeState;
 
 /// How the part that counts grows: as a rule, and where that leads to no optimum.
@@ -35,11 +36,13 @@ const IN_ONE: f64 = 1e-6;
 const SAME: f64 = 0.01;
 /// How many are gone on with in multiplier rounds of those from which no optimum was found.
 const IN_ROUNDS: usize = 2;
+/// What each sample costs at most of a motion from which nothing has to grow: half a squared weight.
+const NEAR_EACH: f64 = 0.5;
 /// How many paces are gone on with.
 const LIKELIEST: usize = 2;
 
 /// Solves a problem from first guesses of the pace in which it is acted, each with the state at the start: one where
-/// stamps are physical times. The likeliest paces are gone on with. Where growing by half leads to no optimum, or in an unknown
+/// stamps are physical times. What is near all samples from the start is finished at once. The likeliest paces are gone on with. Where growing by half leads to no optimum, or in an unknown
 /// tempo to one that is far from the samples, slower growth is tried, then growing from other rates at random, then with further
 /// nodes, and at last multiplier rounds from where the first ones led.
 pub fn solve(
@@ -49,6 +52,15 @@ pub fn solve(
 ) -> Solved {
     let mut work = Work::default();
     let mut tried: Vec<(TreeProblem, TreePoint)> = Vec::new();
+    if let Some(near) = begun_near(problem, starts, &mut work) {
+        let (problem, point) = swept(near, &mut work, observer);
+        let at_once = Schedule::default().from_the_last();
+        let solved = finished(&problem, &point, &at_once, &mut work, observer);
+        if solved.has_ended() {
+            return walked(solved, &mut work, observer);
+        }
+        tried.push((problem, point));
+    }
     let mut far: Option<Solved> = None;
     let mut lost = None;
     // Of a tempo and of parameters, which all legs share, one leg alone is tried. An unknown tempo has several starts as it is.
@@ -152,6 +164,29 @@ pub(super) fn likeliest(
     all.into_iter().take(LIKELIEST).map(|(_, of)| of).collect()
 }
 
+/// The whole motion from the one start, where that is near all samples as it is, as of what hangs still: nothing has to grow.
+/// `None` where it is not, and where several paces are tried.
+fn begun_near(
+    problem: &TreeProblem,
+    starts: &[(f64, TreeState)],
+    work: &mut Work,
+) -> Option<Grown> {
+    let mut problem = problem.clone();
+    let [(_, start)] = starts else { return None };
+    let point = TreePoint::new(&problem, vec![start.clone()]);
+    problem.step_s = problem.step_for(&point, problem.span_s[1], ROUGHLY);
+    let program = TreeProgram::new(&problem, point.clone());
+    let mut system = System::new(program.structure());
+    program.try_out(&Part::whole(), &point, &mut system);
+    work.evaluations += 1;
+    let is_near = system.cost <= NEAR_EACH * problem.samples.len() as f64;
+    is_near.then_some(Grown {
+        problem,
+        point,
+        is_lost: false,
+    })
+}
+
 /// The same optimum on the state at the start alone, of which the whole motion is one flow; where errors grow too much
 /// for that, as it was on several legs.
 pub(super) fn in_one(mut solved: Solved, work: &mut Work, observer: &mut dyn Observer) -> Solved {
@@ -191,7 +226,18 @@ pub(super) fn swept(
     let whole = Part::whole();
     let mut descent = Descent::new(program, point);
     descent.refresh(&whole);
-    for weight in SWEEP.0 {
+    // Where nothing is asked, no weight is.
+    let is_asked = program
+        .structure()
+        .blocks
+        .iter()
+        .any(|block| block.row_count() > 0);
+    let weights = if is_asked {
+        &SWEEP.0[..]
+    } else {
+        &SWEEP.0[..1]
+    };
+    for weight in weights {
         let lagrangian = AugmentedLagrangian::new(&descent.system, weight * most);
         let patience = Patience {
             steps: SWEEP.1,
