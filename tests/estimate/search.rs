@@ -3,7 +3,7 @@
 
 use enact_tools::perform;
 
-use enact::estimate::recipe::{self, Recipe};
+use enact::estimate::schedule::recipe::{self, Recipe};
 use enact::estimate::{Bound, Part};
 use enact::motion::{Event, EventKind, Scene, VelocityGaps, Verdict};
 use enact::optimise::lagrangian::AugmentedLagrangian;

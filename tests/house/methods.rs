@@ -1,8 +1,8 @@
 //! The methods that the charts compare with the program's: their derivatives are exact, and from a
 //! sketch that is nearly the truth every one of them ends where the program does.
 
-use enact::estimate::context::Guidance;
-use enact::estimate::recipe::{self, Recipe};
+use enact::estimate::schedule::recipe::{self, Recipe};
+use enact::estimate::terms::context::Guidance;
 use enact::optimise::Program;
 use enact::optimise::finish::Tolerances;
 use enact::physics::Body;

@@ -90,8 +90,10 @@ fn a_lamp_in_the_way_is_overlapped() {
 #[test]
 fn groups_are_what_nothing_ties() {
     let groups = |further: &str, replaced: [&str; 2]| {
-        let text = ball_toml("", further) + &lamp_toml(FAR.nail_mm);
-        scene(&text.replace(replaced[0], replaced[1]))
+        let text = Beside::of(8520).toml("", further);
+        let text = text.replace(replaced[0], replaced[1]);
+        scene_from_toml(&text)
+            .expect("a valid scene")
             .groups()
             .len()
     };

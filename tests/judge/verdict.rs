@@ -2,11 +2,11 @@
 //! physics that was not finished.
 
 use enact::estimate::Recipe;
-use enact::estimate::context::{Guidance, SolveContext};
-use enact::estimate::layout::Layout;
 use enact::estimate::outcome;
 use enact::estimate::problem::Problem;
-use enact::estimate::recipe::{self, Solution};
+use enact::estimate::schedule::recipe::{self, Solution};
+use enact::estimate::terms::context::{Guidance, SolveContext};
+use enact::estimate::unknowns::layout::Layout;
 use enact::motion::{Counters, End, Estimate, Sketch, Verdict};
 use enact::optimise::Program;
 use enact::report::reason_text;

@@ -4,7 +4,7 @@
 use enact_tools::export;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-use enact::estimate::recipe::{self, Recipe};
+use enact::estimate::schedule::recipe::{self, Recipe};
 
 use enact_tools::case::{Case, Posed};
 use enact_tools::export::{Flight, Motion, Named, Problem};

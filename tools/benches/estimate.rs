@@ -275,9 +275,9 @@ mod initialise {
 /// One iteration of the finish at the guess: objective and constraints with all derivatives,
 /// one factorisation, one step.
 mod iteration {
-    use enact::estimate::context::{Guidance, SolveContext};
-    use enact::estimate::point::Point;
-    use enact::estimate::recipe::epochs_s;
+    use enact::estimate::schedule::recipe::epochs_s;
+    use enact::estimate::terms::context::{Guidance, SolveContext};
+    use enact::estimate::unknowns::point::Point;
     use enact::optimise::Program;
     use enact::optimise::kkt::Kkt;
 
@@ -332,8 +332,8 @@ mod iteration {
 
 /// The solver alone, from the guess to the end of the finish: what the charts set beside the peers.
 mod solve {
-    use enact::estimate::layout::Layout;
-    use enact::estimate::recipe::{self, Recipe};
+    use enact::estimate::schedule::recipe::{self, Recipe};
+    use enact::estimate::unknowns::layout::Layout;
 
     use super::*;
     use enact_tools::perform::{die, hat_box};

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use enact::estimate::layout::Layout;
 use enact::estimate::problem::Problem;
+use enact::estimate::unknowns::layout::Layout;
 use enact::initialise;
 use enact::motion::{
     ArcGuess, Feature, Guess, LinkIndex, Observer, Scene, Segment, Sketch, Stamp, TakeEvent,

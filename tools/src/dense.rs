@@ -1,11 +1,11 @@
 //! The covariance of an estimate by dense algebra that shares nothing with the library's.
 
-use enact::estimate::context::{Guidance, SolveContext};
 use enact::estimate::covariance::Covariance;
 use enact::estimate::outcome;
-use enact::estimate::point::Point;
-use enact::estimate::recipe::{self, Recipe};
+use enact::estimate::schedule::recipe::{self, Recipe};
 use enact::estimate::solve;
+use enact::estimate::terms::context::{Guidance, SolveContext};
+use enact::estimate::unknowns::point::Point;
 use enact::motion::Sketch;
 use enact::optimise::{Program, System};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};

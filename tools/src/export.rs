@@ -4,13 +4,13 @@
 
 #![allow(missing_docs, reason = "tools/peers/README.md documents the fields")]
 
-use enact::estimate::context::{Guidance, SolveContext};
-use enact::estimate::layout::Layout;
-use enact::estimate::point::Point;
 use enact::estimate::problem::{
     Arc, ArcCollision, ArcGoal, ArcPair, ArcTarget, Problem as Estimation, unit,
 };
-use enact::estimate::recipe;
+use enact::estimate::schedule::recipe;
+use enact::estimate::terms::context::{Guidance, SolveContext};
+use enact::estimate::unknowns::layout::Layout;
+use enact::estimate::unknowns::point::Point;
 use enact::motion::{Cone, FreeParameter, Guess};
 use enact::optimise::Program;
 use enact::physics::body::{Body, Symmetry};

@@ -1,7 +1,7 @@
 //! Many starts for one problem: what the best known optimum is.
 
-use enact::estimate::point::Point;
-use enact::estimate::recipe::{self, Recipe};
+use enact::estimate::schedule::recipe::{self, Recipe};
+use enact::estimate::unknowns::point::Point;
 use enact::motion::Guess;
 use enact::optimise::Schedule;
 use enact::physics::state::{StateTangent, part};

@@ -3,7 +3,7 @@
 //! Contacts, impacts and goals tie flights that could each fit their samples better alone
 //! (`alone`). How much worse they fit together is compared with what errors of the samples explain:
 //! white noise and a wander of the hand, as the flights by themselves show it
-//! ([`noise`](super::covariance::noise)). Each event is tested (`event`), so that the answer names
+//! ([`noise`](crate::estimate::covariance::noise)). Each event is tested (`event`), so that the answer names
 //! where flights and model disagree. A flight that ends at no such event is tested by itself (`flight`).
 
 mod alone;
@@ -24,12 +24,12 @@ pub use self::leaning::leanings;
 use self::alone::Alone;
 use self::part::{Part, PartTest};
 use self::suspects::{Errors, Which};
-use super::context::SolveContext;
-use super::covariance::bins::{Bins, Residuals, Six};
-use super::covariance::noise::mean_squares;
-use super::point::Point;
-use super::problem::{Problem, View};
-use super::recipe::Solution;
+use crate::estimate::covariance::bins::{Bins, Residuals, Six};
+use crate::estimate::covariance::noise::mean_squares;
+use crate::estimate::problem::{Problem, View};
+use crate::estimate::schedule::recipe::Solution;
+use crate::estimate::terms::context::SolveContext;
+use crate::estimate::unknowns::point::Point;
 use crate::motion::{Fit, FitUntold, Fits, Observer, Performance, Performer, Suspect, Tested};
 
 /// Below this probability of the data under the model they do not fit; above, they may.

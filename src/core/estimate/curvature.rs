@@ -18,8 +18,8 @@ mod nudged;
 mod residuals;
 
 use self::nudged::Nudged;
-use super::context::SolveContext;
-use super::point::Point;
+use crate::estimate::terms::context::SolveContext;
+use crate::estimate::unknowns::point::Point;
 use crate::optimise::System;
 use crate::optimise::envelope::Envelope;
 

@@ -1,16 +1,17 @@
 //! The solver's result as an estimate of the scene: events, arcs, gaps, residuals and verdict.
 
+pub(in crate::estimate) mod held_motion;
+
 use nalgebra::Vector3;
 
-use super::constraint::bound::at_bound;
-use super::context::SolveContext;
-use super::covariance::bins::Residuals;
-use super::held_motion;
-use super::observed::SampleObserver;
-use super::point::Point;
-use super::problem::{Problem, TimeSide, View, unit};
-use super::recipe::Solution;
-use super::timing;
+use crate::estimate::constraint::bound::at_bound;
+use crate::estimate::covariance::bins::Residuals;
+use crate::estimate::covariance::timing;
+use crate::estimate::problem::{Problem, TimeSide, View, unit};
+use crate::estimate::schedule::recipe::Solution;
+use crate::estimate::terms::context::SolveContext;
+use crate::estimate::terms::observed::SampleObserver;
+use crate::estimate::unknowns::point::Point;
 use crate::motion::{
     ArcEstimate, AtBound, Counters, DurationEstimate, End, Estimate, EventEstimate, FitUntold, Gap,
     Measured, ParameterEstimate, Progress, Reason, SampleTime, Scene, SegmentResidual, Sketch,

@@ -1,16 +1,20 @@
 //! The problem of a scene and a sketch: which arcs there are, what ties them, and what is free.
 
-use super::calm;
-use super::conditions::{conditions, flight_at};
-use super::influence::{Acting, Influence, Owner, Role};
-use super::nodes::Nodes;
-use super::problem::{
+pub(in crate::estimate) mod calm;
+pub(in crate::estimate) mod conditions;
+pub(in crate::estimate) mod nodes;
+pub(in crate::estimate) mod sample_order;
+pub(in crate::estimate) mod seen;
+pub(in crate::estimate) mod waypoint;
+
+use self::conditions::{conditions, flight_at};
+use self::nodes::Nodes;
+use self::seen::views;
+use crate::estimate::problem::influence::{Acting, Influence, Owner, Role};
+use crate::estimate::problem::{
     Arc, ArcCollision, ArcGoal, ArcPair, ArcTarget, Bounded, EventMark, HeldState, Ordered,
     Problem, TimeBound, TimeSide,
 };
-use super::sample_order;
-use super::seen::views;
-use super::waypoint;
 use crate::motion::{
     GoalTarget, LinkIndex, Moment, Partner, Quantity, Scene, Segment, Sketch, Timing,
 };

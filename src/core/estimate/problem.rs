@@ -1,13 +1,17 @@
 //! The estimation problem in the solver's terms: arcs, events, constraints and free unknowns.
 
+pub mod arc_condition;
+pub mod influence;
+pub(in crate::estimate) mod pull;
+
 use std::ops::Range;
 
 use nalgebra::{Matrix6, UnitQuaternion, Vector3};
 use typed_index_collections::TiVec;
 
-use super::arc_condition::ArcCondition;
-use super::influence::{Acting, Role};
-use super::pull::Pull;
+use self::arc_condition::ArcCondition;
+use self::influence::{Acting, Role};
+use self::pull::Pull;
 use crate::math::Pose;
 use crate::motion::held::StateCovariance;
 use crate::motion::{
@@ -127,7 +131,7 @@ pub struct View {
     pub whitenings: Vec<Matrix6<f64>>,
     /// `(L Lᵀ)⁻¹` of each of them.
     pub informations: Vec<Matrix6<f64>>,
-    /// Whether the short form of its residuals serves ([`samples`](super::samples)): of a parabola on
+    /// Whether the short form of its residuals serves ([`samples`](crate::estimate::terms::samples)): of a parabola on
     /// which at most gravity acts it shows the centre of mass, the orientation or both, with the same
     /// weight in all samples and at times that no parameter changes.
     pub is_plain: bool,

@@ -1,21 +1,23 @@
 //! The stage as the pipeline calls it: from guesses to an estimate, with standard deviations on
 //! request.
 
+pub mod bound;
+pub(in crate::estimate) mod deviation;
 pub mod last;
 mod nearby;
 mod rivals;
+pub(in crate::estimate) mod simulate;
 
 use std::cmp::Ordering;
 
-use super::adequacy::{self, Judged};
-use super::context::{Guidance, SolveContext};
-use super::covariance::bins::Residuals;
-use super::deviation;
-use super::layout::Layout;
-use super::outcome;
-use super::point::Point;
-use super::problem::Problem;
-use super::recipe::{self, Recipe, Solution};
+use crate::estimate::adequacy::{self, Judged};
+use crate::estimate::covariance::bins::Residuals;
+use crate::estimate::outcome;
+use crate::estimate::problem::Problem;
+use crate::estimate::schedule::recipe::{self, Recipe, Solution};
+use crate::estimate::terms::context::{Guidance, SolveContext};
+use crate::estimate::unknowns::layout::Layout;
+use crate::estimate::unknowns::point::Point;
 use crate::motion::{
     Counters, End, Estimate, FitUntold, Guess, Observer, Performance, Phase, Quiet, Scene, Segment,
     Sketch, VelocityGaps, Verdict,

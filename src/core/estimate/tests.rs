@@ -4,11 +4,11 @@
 use nalgebra::{DVector, Matrix6, UnitQuaternion, UnitVector3, Vector3};
 use typed_index_collections::TiVec;
 
-use super::context::{Guidance, SolveContext};
-use super::layout::Layout;
-use super::point::Point;
-use super::problem::Problem;
-use super::recipe::{self, Recipe};
+use crate::estimate::problem::Problem;
+use crate::estimate::schedule::recipe::{self, Recipe};
+use crate::estimate::terms::context::{Guidance, SolveContext};
+use crate::estimate::unknowns::layout::Layout;
+use crate::estimate::unknowns::point::Point;
 use crate::math::{Pose, differentiate};
 use crate::motion::{
     ArcGuess, Collision, Cone, ContactLaw, ContactLawIndex, Event, EventKind, Feature, FreeBody,

@@ -1,7 +1,7 @@
 //! Derivatives of what follows by what is held.
 
-use enact::estimate::layout::Layout;
 use enact::estimate::problem::ArcCollision;
+use enact::estimate::unknowns::layout::Layout;
 use enact::optimise::System;
 use enact::physics::state::DIMENSION as STATE;
 use nalgebra::DMatrix;

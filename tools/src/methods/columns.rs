@@ -5,7 +5,7 @@
 
 use std::collections::BTreeSet;
 
-use enact::estimate::layout::Layout;
+use enact::estimate::unknowns::layout::Layout;
 use enact::optimise::block::BlockPattern;
 use enact::physics::state::DIMENSION as STATE;
 

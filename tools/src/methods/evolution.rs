@@ -7,7 +7,7 @@
 use std::cell::RefCell;
 
 use cmaes::CMAESOptions;
-use enact::estimate::context::Guidance;
+use enact::estimate::terms::context::Guidance;
 use enact::optimise::Program;
 use enact::optimise::lagrangian::AugmentedLagrangian;
 use nalgebra::DVector;

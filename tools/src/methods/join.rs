@@ -1,7 +1,7 @@
 //! What the piece before a node lacks to the state that is held there.
 
-use enact::estimate::context::SolveContext;
-use enact::estimate::point::Point;
+use enact::estimate::terms::context::SolveContext;
+use enact::estimate::unknowns::point::Point;
 use enact::math::so3;
 use enact::optimise::block::{Block, BlockPattern};
 use enact::physics::state::DIMENSION as STATE;

@@ -1,10 +1,10 @@
 //! One judgement for all methods.
 
-use enact::estimate::context::{Guidance, SolveContext};
-use enact::estimate::layout::Layout;
-use enact::estimate::point::Point;
 use enact::estimate::problem::Problem;
-use enact::estimate::recipe;
+use enact::estimate::schedule::recipe;
+use enact::estimate::terms::context::{Guidance, SolveContext};
+use enact::estimate::unknowns::layout::Layout;
+use enact::estimate::unknowns::point::Point;
 use enact::motion::Guess;
 use enact::optimise::Program;
 

@@ -9,9 +9,9 @@
 
 use std::cell::RefCell;
 
-use enact::estimate::context::{Guidance, SolveContext};
-use enact::estimate::point::Point;
 use enact::estimate::problem::Problem;
+use enact::estimate::terms::context::{Guidance, SolveContext};
+use enact::estimate::unknowns::point::Point;
 use enact::optimise::block::Block;
 use enact::optimise::envelope::Envelope;
 use enact::optimise::{Program, Structure, System};

@@ -1,6 +1,6 @@
 //! Gradient and Hessian of samples, priors and pulls by the grid's unknowns.
 
-use enact::estimate::context::SolveContext;
+use enact::estimate::terms::context::SolveContext;
 use enact::optimise::System;
 use enact::optimise::envelope::{Envelope, Pattern};
 use enact::physics::state::DIMENSION as STATE;

@@ -1,11 +1,11 @@
 //! The program as a method, whole or with a part of it left out.
 
-use enact::estimate::context::{Guidance, SolveContext};
-use enact::estimate::events;
-use enact::estimate::layout::Layout;
-use enact::estimate::point::Point;
 use enact::estimate::problem::Problem;
-use enact::estimate::recipe::{self, Lead, Recipe};
+use enact::estimate::schedule::events;
+use enact::estimate::schedule::recipe::{self, Lead, Recipe};
+use enact::estimate::terms::context::{Guidance, SolveContext};
+use enact::estimate::unknowns::layout::Layout;
+use enact::estimate::unknowns::point::Point;
 use enact::motion::Guess;
 use enact::optimise::finish::Tolerances;
 use enact::optimise::{self, Schedule};

@@ -1,6 +1,6 @@
 //! Rows of the lifted problem, picked out of its blocks.
 
-use enact::estimate::layout::Layout;
+use enact::estimate::unknowns::layout::Layout;
 use enact::optimise::block::{Block, BlockPattern};
 use enact::physics::state::DIMENSION as STATE;
 use nalgebra::DMatrix;

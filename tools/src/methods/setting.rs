@@ -1,8 +1,8 @@
 //! A problem on a grid, and a value of its unknowns.
 
-use enact::estimate::layout::Layout;
-use enact::estimate::point::Point;
 use enact::estimate::problem::Problem;
+use enact::estimate::unknowns::layout::Layout;
+use enact::estimate::unknowns::point::Point;
 use enact::motion::Guess;
 use enact::physics::state::StateTangent;
 

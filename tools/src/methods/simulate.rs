@@ -1,7 +1,7 @@
 //! What follows from what is held: times of collisions, found as roots, and states after them.
 
-use enact::estimate::point::Point;
 use enact::estimate::problem::{ArcCollision, Problem, unit};
+use enact::estimate::unknowns::point::Point;
 use enact::physics::impact::{self, Impact};
 use enact::physics::state::StateTangent;
 use enact::physics::{Dynamics, State};

@@ -4,8 +4,8 @@
 //! the piece after a collision has none of its own, it follows through the impact. Samples stay with
 //! the arc that the segmentation gave them, so that every grid has the same optimum.
 
-use enact::estimate::point::Point;
 use enact::estimate::problem::{Arc, ArcCollision, Problem};
+use enact::estimate::unknowns::point::Point;
 use enact::motion::Guess;
 use enact::physics::State;
 

@@ -1,6 +1,6 @@
 //! The program's own optimiser over any grid's unknowns: the same weights, rounds and ends.
 
-use enact::estimate::recipe::{Lead, Recipe};
+use enact::estimate::schedule::recipe::{Lead, Recipe};
 use enact::optimise;
 
 use super::model::Model;

@@ -3,10 +3,10 @@
 use enact::physics::Dynamics;
 use std::time::Instant;
 
-use enact::estimate::layout::Layout;
-use enact::estimate::point::Point;
 use enact::estimate::problem::Problem;
-use enact::estimate::recipe;
+use enact::estimate::schedule::recipe;
+use enact::estimate::unknowns::layout::Layout;
+use enact::estimate::unknowns::point::Point;
 use enact::motion::Guess;
 use enact::optimise::finish::Tolerances;
 

@@ -4,8 +4,8 @@
 //! early. There the fit is moved along the contact's normal so that it touches at the event's time,
 //! approaching: the least that lets such a method begin.
 
-use enact::estimate::point::Point;
 use enact::estimate::problem::{ArcCollision, Problem};
+use enact::estimate::unknowns::point::Point;
 use enact::motion::Guess;
 use enact::physics::impact::{self, ImpactDerivative};
 use enact::physics::state::part;

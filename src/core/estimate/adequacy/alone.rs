@@ -4,10 +4,10 @@
 
 use nalgebra::DVector;
 
-use crate::estimate::context::{Guidance, SolveContext};
 use crate::estimate::covariance::bins::Residuals;
 use crate::estimate::outcome;
-use crate::estimate::point::Point;
+use crate::estimate::terms::context::{Guidance, SolveContext};
+use crate::estimate::unknowns::point::Point;
 use crate::optimise::envelope::Envelope;
 use crate::optimise::kkt::DAMPING;
 use crate::optimise::{Program, System};

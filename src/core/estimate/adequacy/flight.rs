@@ -19,10 +19,10 @@ use nalgebra::{DMatrix, DVector};
 use super::alone::Alone;
 use super::hand::{Expected, Wander};
 use super::part::{self, Part, PartTest};
-use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::{Bins, Six};
 use crate::estimate::covariance::noise;
 use crate::estimate::covariance::trace::Design;
+use crate::estimate::terms::context::SolveContext;
 use crate::math::span::Span;
 use crate::motion::Place;
 

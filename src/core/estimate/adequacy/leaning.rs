@@ -6,8 +6,8 @@
 
 use super::score;
 use super::suspects::{Wider, unbounded};
-use crate::estimate::context::{Guidance, SolveContext};
-use crate::estimate::recipe::Solution;
+use crate::estimate::schedule::recipe::Solution;
+use crate::estimate::terms::context::{Guidance, SolveContext};
 use crate::motion::{Leaning, Performance, Quantity};
 use crate::optimise::Program;
 use crate::optimise::kkt::Kkt;

@@ -5,9 +5,9 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::alone::Alone;
 use super::hand::{Expected, ResidualKind, Wander};
-use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::{Bins, Residuals, Six};
 use crate::estimate::covariance::trace::Design;
+use crate::estimate::terms::context::SolveContext;
 use crate::motion::{PartFit, Performer, Place, Tested};
 
 /// What is tested.

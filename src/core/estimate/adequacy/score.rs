@@ -19,10 +19,10 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::hand::{ResidualKind, Wander};
-use crate::estimate::context::{Guidance, SolveContext};
 use crate::estimate::covariance::bins::{Bins, Six, products};
 use crate::estimate::covariance::trace::Design;
-use crate::estimate::point::Point;
+use crate::estimate::terms::context::{Guidance, SolveContext};
+use crate::estimate::unknowns::point::Point;
 use crate::optimise::kkt::Kkt;
 use crate::optimise::{Program, System};
 

@@ -1,8 +1,8 @@
 //! Bounds of one parameter, `lower ≤ u ≤ upper` (paper §6), and which of them a value is at.
 
 use super::kind::{At, Constraint, Filled};
-use crate::estimate::layout::Layout;
 use crate::estimate::problem::{Bounded, Problem};
+use crate::estimate::unknowns::layout::Layout;
 use crate::motion::{AtBound, Cone, FreeParameter};
 use crate::optimise::block::{Block, BlockPattern};
 

@@ -1,8 +1,8 @@
 //! Two parameters, the tilts of a normal, within a circle (paper §6): `(p₀² + p₁²)/limit² ≤ 1`.
 
 use super::kind::{At, Constraint, Filled};
-use crate::estimate::layout::Layout;
 use crate::estimate::problem::Problem;
+use crate::estimate::unknowns::layout::Layout;
 use crate::motion::Cone;
 use crate::optimise::block::{Block, BlockPattern};
 

@@ -2,8 +2,8 @@
 //! and `n·v ≤ limit` for its normal speed.
 
 use super::rows::{CollisionRows, STATE};
-use crate::estimate::arc_end::{ArcEnd, ByState};
 use crate::estimate::problem::unit;
+use crate::estimate::reach::arc_end::{ArcEnd, ByState};
 use crate::physics::impact::{Impact, ImpactDerivative};
 use crate::physics::state::part;
 

@@ -10,8 +10,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::rows::{CollisionRows, HALF, Half, STATE};
-use crate::estimate::arc_end::{ArcEnd, ByState};
 use crate::estimate::problem::{ArcCollision, unit};
+use crate::estimate::reach::arc_end::{ArcEnd, ByState};
 use crate::math::so3;
 use crate::physics::impact::ImpactDerivative;
 use crate::physics::state::part;

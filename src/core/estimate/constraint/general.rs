@@ -13,11 +13,11 @@ use nalgebra::{RowSVector, SMatrix, SVector, Vector3};
 
 use super::kind::{At, Filled};
 use super::rows::{HALF, Places, STATE};
-use crate::estimate::arrival::{ByStates, GeneralArrival};
-use crate::estimate::influence::{Acting, Influence};
-use crate::estimate::layout::Layout;
-use crate::estimate::modelled::TouchedPair;
+use crate::estimate::problem::influence::{Acting, Influence};
 use crate::estimate::problem::{ArcCollision, Problem, unit};
+use crate::estimate::reach::arrival::{ByStates, GeneralArrival};
+use crate::estimate::terms::modelled::TouchedPair;
+use crate::estimate::unknowns::layout::Layout;
 use crate::math::so3;
 use crate::motion::MechanismIndex;
 use crate::optimise::block::BlockPattern;

@@ -7,12 +7,12 @@
 
 use super::kind::{At, Constraint, Filled};
 use super::rows::STATE;
-use crate::estimate::arc_end::ArcEnd;
-use crate::estimate::arrival::{ByStates, GeneralArrival};
-use crate::estimate::influence::Influence;
-use crate::estimate::layout::Layout;
+use crate::estimate::covariance::timing;
+use crate::estimate::problem::influence::Influence;
 use crate::estimate::problem::{ArcGoal, ArcTarget, Problem, unit};
-use crate::estimate::timing;
+use crate::estimate::reach::arc_end::ArcEnd;
+use crate::estimate::reach::arrival::{ByStates, GeneralArrival};
+use crate::estimate::unknowns::layout::Layout;
 use crate::math::so3;
 use crate::motion::Gap;
 use crate::optimise::block::{Block, BlockPattern, SecondDerivative};

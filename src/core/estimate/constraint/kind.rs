@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use crate::estimate::layout::Layout;
-use crate::estimate::point::Point;
+use crate::estimate::covariance::timing;
 use crate::estimate::problem::Problem;
-use crate::estimate::timing;
+use crate::estimate::unknowns::layout::Layout;
+use crate::estimate::unknowns::point::Point;
 use crate::motion::Gap;
 use crate::optimise::block::{Block, BlockPattern};
 use crate::physics::impact::ImpactDerivative;

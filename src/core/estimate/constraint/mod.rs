@@ -1,4 +1,4 @@
-//! Constraints as rows `lower ≤ c ≤ upper` in the units of [`unit`](super::problem::unit), one kind
+//! Constraints as rows `lower ≤ c ≤ upper` in the units of [`unit`](crate::estimate::problem::unit), one kind
 //! per file: a [`collision`] (paper eq. 3, 8; `contact` and approach, §5.2, then `continuity`
 //! through the impact), a `goal` (§3.1), any other `condition` that a goal is, a bound of an event's `time`, the `bound` of a parameter, a
 //! `cone` of two (§6), the `order` of two events (eq. 7).

@@ -1,8 +1,8 @@
 //! Order of the events about a flight that few samples hold apart, `τ_{k+1} − τ_k ≥ 0` (paper eq. 7).
 
 use super::kind::{At, Constraint, Filled};
-use crate::estimate::layout::Layout;
 use crate::estimate::problem::{Ordered, Problem, unit};
+use crate::estimate::unknowns::layout::Layout;
 use crate::optimise::block::{Block, BlockPattern};
 
 impl Constraint for Ordered {

@@ -10,9 +10,9 @@
 //! not matter: the first row is that of `s + u`.
 
 use super::kind::{At, Constraint, Filled};
-use crate::estimate::influence::Influence;
-use crate::estimate::layout::Layout;
+use crate::estimate::problem::influence::Influence;
 use crate::estimate::problem::{ArcSample, Beside, Problem, SampleOrder, unit};
+use crate::estimate::unknowns::layout::Layout;
 use crate::optimise::block::{Block, BlockPattern};
 
 impl Constraint for SampleOrder {

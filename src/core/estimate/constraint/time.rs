@@ -8,9 +8,9 @@
 //! between two nodes, and nodes are unknowns: the row is linear in all of them.
 
 use super::kind::{At, Constraint, Filled};
-use crate::estimate::layout::Layout;
-use crate::estimate::point::Point;
 use crate::estimate::problem::{Problem, TimeBound, TimeSide, unit};
+use crate::estimate::unknowns::layout::Layout;
+use crate::estimate::unknowns::point::Point;
 use crate::optimise::block::{Block, BlockPattern};
 
 impl Constraint for TimeBound {
@@ -77,8 +77,8 @@ mod tests {
     use nalgebra::DVector;
 
     use super::*;
-    use crate::estimate::context::{Guidance, SolveContext};
-    use crate::estimate::recipe::epochs_s;
+    use crate::estimate::schedule::recipe::epochs_s;
+    use crate::estimate::terms::context::{Guidance, SolveContext};
     use crate::estimate::tests::{scene, sketch};
     use crate::motion::Timing;
     use crate::optimise::Program;

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::estimate::point::Point;
 use crate::estimate::problem::{ArcSample, Problem, View};
+use crate::estimate::unknowns::point::Point;
 use crate::motion::TrackIndex;
 
 /// A residual, position then orientation in body axes, in the problem's units; or its change.

@@ -39,7 +39,9 @@ pub mod bins;
 pub mod certainty;
 pub mod likelihood;
 pub mod noise;
+pub(in crate::estimate) mod timing;
 pub mod trace;
+pub(in crate::estimate) mod whitened;
 
 #[cfg(test)]
 mod tests;

@@ -3,10 +3,10 @@
 use nalgebra::{DVector, Matrix3, Vector3};
 
 use super::bins::{Bins, Six};
-use crate::estimate::context::SolveContext;
-use crate::estimate::observed::SampleObserver;
-use crate::estimate::point::Point;
 use crate::estimate::problem::View;
+use crate::estimate::terms::context::SolveContext;
+use crate::estimate::terms::observed::SampleObserver;
+use crate::estimate::unknowns::point::Point;
 use crate::physics::Dynamics;
 use crate::physics::flow::{self, Spin};
 use crate::physics::state::part;

@@ -7,7 +7,7 @@
 
 use super::nudged::Nudged;
 use crate::estimate::constraint::At;
-use crate::estimate::point::Point;
+use crate::estimate::unknowns::point::Point;
 use crate::optimise::System;
 use crate::optimise::block::{Block, BlockPattern};
 use crate::optimise::envelope::Envelope;
@@ -71,7 +71,7 @@ mod tests {
     use nalgebra::DVector;
 
     use super::*;
-    use crate::estimate::context::{Guidance, SolveContext};
+    use crate::estimate::terms::context::{Guidance, SolveContext};
     use crate::estimate::tests::conditions::wished_cases;
     use crate::estimate::tests::each_case;
     use crate::optimise::Program;

@@ -7,10 +7,10 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::nudged::{Nudged, TIME_STEP_S};
-use crate::estimate::context::SolveContext;
-use crate::estimate::observed::{Observed, SampleObserver};
-use crate::estimate::point::Point;
 use crate::estimate::problem::View;
+use crate::estimate::terms::context::SolveContext;
+use crate::estimate::terms::observed::{Observed, SampleObserver};
+use crate::estimate::unknowns::point::Point;
 use crate::optimise::envelope::Envelope;
 use crate::physics::Dynamics;
 

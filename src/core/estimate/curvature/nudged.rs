@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::estimate::context::SolveContext;
-use crate::estimate::point::Point;
+use crate::estimate::terms::context::SolveContext;
+use crate::estimate::unknowns::point::Point;
 use crate::optimise::block::BlockPattern;
 use crate::optimise::envelope::Envelope;
 use crate::physics::State;

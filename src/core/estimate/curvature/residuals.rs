@@ -19,11 +19,11 @@
 
 use nalgebra::{DVector, Matrix3, SMatrix, SVector, Vector3};
 
-use crate::estimate::arc_end::ArcEnd;
-use crate::estimate::context::SolveContext;
-use crate::estimate::point::Point;
 use crate::estimate::problem::{ArcSample, View};
-use crate::estimate::tempo;
+use crate::estimate::reach::arc_end::ArcEnd;
+use crate::estimate::terms::context::SolveContext;
+use crate::estimate::terms::tempo;
+use crate::estimate::unknowns::point::Point;
 use crate::math::so3;
 use crate::optimise::System;
 use crate::optimise::envelope::{Envelope, Pattern};
@@ -311,9 +311,9 @@ fn slopes_without_tempo(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::context::Guidance;
     use crate::estimate::curvature::general;
     use crate::estimate::curvature::nudged::Nudged;
+    use crate::estimate::terms::context::Guidance;
     use crate::estimate::tests::each_case;
     use crate::optimise::Program;
 

@@ -2,16 +2,16 @@
 
 use nalgebra::DVector;
 
+use super::simulate::simulate;
 use super::{Solved, add};
-use crate::estimate::context::Guidance;
 use crate::estimate::covariance::Covariance;
+use crate::estimate::covariance::whitened::Whitened;
 use crate::estimate::outcome;
-use crate::estimate::point::Point;
+use crate::estimate::problem::pull::Pull;
 use crate::estimate::problem::unit;
-use crate::estimate::pull::Pull;
-use crate::estimate::recipe::{self, Recipe, Solution};
-use crate::estimate::simulate::simulate;
-use crate::estimate::whitened::Whitened;
+use crate::estimate::schedule::recipe::{self, Recipe, Solution};
+use crate::estimate::terms::context::Guidance;
+use crate::estimate::unknowns::point::Point;
 use crate::motion::{Counters, End, MechanismIndex, Observer, Performance};
 use crate::optimise::Program;
 

@@ -5,10 +5,10 @@
 //! squares, `n` numbers and `m` unknowns that constraints leave, `f/(n − m)` is the variance of a
 //! number; a motion is as near as the best if its sum exceeds the least by less than nine of it.
 
-use crate::estimate::layout::Layout;
-use crate::estimate::point::Point;
 use crate::estimate::problem::Problem;
-use crate::estimate::recipe::Solution;
+use crate::estimate::schedule::recipe::Solution;
+use crate::estimate::unknowns::layout::Layout;
+use crate::estimate::unknowns::point::Point;
 use crate::motion::Guess;
 
 /// Excess of the sum of squares that is no difference, in variances of a number.

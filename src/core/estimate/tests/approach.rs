@@ -1,7 +1,7 @@
 //! Contacts must approach: a constraint of every collision, stricter during the sweep.
 
 use super::*;
-use crate::estimate::recipe::Lead;
+use crate::estimate::schedule::recipe::Lead;
 use crate::optimise::Stage;
 use crate::optimise::block::Block;
 

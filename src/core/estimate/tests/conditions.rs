@@ -1,8 +1,8 @@
 //! Conditions: every quantity in every set, hard and with a weight.
 
 use super::*;
-use crate::estimate::arc_condition::Rows;
 use crate::estimate::constraint::{At, Constraint};
+use crate::estimate::problem::arc_condition::Rows;
 use crate::motion::{Axes, BodyPoint, Condition, GoalQuantity, GoalSet, Moment};
 use crate::optimise::block::{Block, BlockPattern};
 

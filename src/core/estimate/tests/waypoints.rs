@@ -1,9 +1,9 @@
 //! Waypoints: what is unknown, what keeps them within their flights, and derivatives of what holds there.
 
 use super::*;
-use crate::estimate::arc_condition::ArcCondition;
+use crate::estimate::posing::waypoint;
+use crate::estimate::problem::arc_condition::ArcCondition;
 use crate::estimate::problem::{Arc, Ordered, TimeSide, Waypoint};
-use crate::estimate::waypoint;
 use crate::motion::{BodyPoint, Condition, GoalQuantity, GoalSet, Moment};
 
 const UNKNOWN: Timing = Timing::Unknown {

@@ -1,6 +1,6 @@
 //! Motions of bodies in the hand from which joined ones may hang: what their trackers saw, smoothed, and no more.
 
-use crate::estimate::held_motion::{Pace, in_time};
+use crate::estimate::outcome::held_motion::{Pace, in_time};
 use crate::motion::held::{HeldEstimate, Knot};
 use crate::motion::{Scene, Sketch};
 

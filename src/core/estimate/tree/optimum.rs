@@ -5,7 +5,7 @@ use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
 use super::time_line::TimeLine;
 use super::walk::EXACTLY;
-use crate::estimate::recipe::Watched;
+use crate::estimate::schedule::recipe::Watched;
 use crate::motion::Observer;
 use crate::optimise::trust::{self, Nearness};
 use crate::optimise::{self, Schedule, Solution, Stage, Work};

@@ -139,14 +139,10 @@ impl<'a> TreeProgram<'a> {
             }
         }
         problem.fill_bounds(point, &self.structure.blocks, &mut system.blocks);
-        problem.fill_timed(
-            point,
-            &self.structure.blocks,
-            system,
-            &mut |off, by, system| {
-                self.pull(off, by, 1.0, system);
-            },
-        );
+        let patterns = &self.structure.blocks;
+        for row in problem.fill_timed(point, patterns, &mut system.blocks) {
+            self.pull(row.off, &row.by, 1.0, system);
+        }
         self.calm(part, point, system);
     }
 

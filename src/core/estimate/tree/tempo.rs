@@ -7,7 +7,7 @@
 //! t(a) = t_0 + Σ_{i<k} e^{λ_i} (a_{i+1} − a_i) + e^{λ_k} (a − a_k)
 //! ```
 //!
-//! The prior is that of bodies by themselves ([`crate::estimate::tempo`]), `λ` a Brownian motion of strength `σ`. In
+//! The prior is that of bodies by themselves ([`crate::estimate::terms::tempo`]), `λ` a Brownian motion of strength `σ`. In
 //! these unknowns it is linear, and where nothing is seen yet, the pace goes on as it was:
 //!
 //! ```text
@@ -15,7 +15,7 @@
 //! ```
 
 use super::sample::TreeSample;
-use crate::estimate::nodes;
+use crate::estimate::posing::nodes;
 use crate::motion::{Scene, Timing};
 
 /// Distance of knots \[s, acted\]: within it a hand's tempo hardly changes.

@@ -8,8 +8,13 @@ use super::goal::TreeGoal;
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::time_line::TimeLine;
-use crate::optimise::System;
-use crate::optimise::block::BlockPattern;
+use crate::optimise::block::{Block, BlockPattern};
+
+/// A row of a goal that weighs: how far it is off, in deviations, with its derivatives by unknowns.
+pub(super) struct WeighedRow {
+    pub(super) off: f64,
+    pub(super) by: Vec<(usize, f64)>,
+}
 
 impl TreeGoal {
     /// Whether it is of a time.
@@ -61,17 +66,16 @@ impl TreeProblem {
         }
     }
 
-    /// Fills the rows of the hard goals of times; `pull` is told of each other one's rows: how far off it is, in
-    /// deviations, with its derivatives by unknowns.
+    /// Fills the rows of the hard goals of times, and tells those of the others, which weigh.
     pub(super) fn fill_timed(
         &self,
         point: &TreePoint,
         patterns: &[BlockPattern],
-        system: &mut System,
-        pull: &mut dyn FnMut(f64, &[(usize, f64)], &mut System),
-    ) {
+        blocks: &mut [Block],
+    ) -> Vec<WeighedRow> {
         let line = &point.time_line(self);
         let goals = self.goals.iter().enumerate();
+        let mut weighed = Vec::new();
         for (index, goal) in goals.filter(|(_, goal)| goal.is_timed()) {
             let (mut time_s, mut by) = self.time_of(point, line, &goal.stamped());
             if let Some(since) = &goal.since {
@@ -85,28 +89,33 @@ impl TreeProblem {
                 (*unknown, own.map(|(_, by)| by).sum::<f64>())
             });
             let by_unknown: Vec<(usize, f64)> = by_unknown.collect();
-            let (pattern, block) = (&patterns[index], &mut system.blocks[index]);
+            let (pattern, block) = (&patterns[index], &mut blocks[index]);
             block.reset(pattern);
             let rows = goal.rows(&Vector3::new(time_s, 0.0, 0.0));
-            let Some(sd_s) = goal.condition.sd else {
-                let unit = goal.unit();
-                for (row, of) in rows.iter().enumerate() {
-                    block.values[row] = of.value / unit;
-                    block.bounds[row] = (of.bounds.0 / unit, of.bounds.1 / unit);
-                    let entries = block.derivatives_mut(pattern, row).iter_mut();
-                    for (entry, (_, by)) in entries.zip(&by_unknown) {
-                        *entry = by * of.by.x / unit;
-                    }
-                }
-                continue;
-            };
-            for of in rows {
-                let off_s = of.value - of.value.clamp(of.bounds.0, of.bounds.1);
+            let scaled = |factor: f64| {
                 let by = by_unknown
                     .iter()
-                    .map(|(of_unknown, by)| (*of_unknown, by * of.by.x / sd_s));
-                pull(off_s / sd_s, &by.collect::<Vec<_>>(), system);
+                    .map(|(unknown, by)| (*unknown, by * factor));
+                by.collect::<Vec<(usize, f64)>>()
+            };
+            match goal.condition.sd {
+                Some(sd_s) => weighed.extend(rows.iter().map(|of| WeighedRow {
+                    off: (of.value - of.value.clamp(of.bounds.0, of.bounds.1)) / sd_s,
+                    by: scaled(of.by.x / sd_s),
+                })),
+                None => {
+                    let unit = goal.unit();
+                    for (row, of) in rows.iter().enumerate() {
+                        block.values[row] = of.value / unit;
+                        block.bounds[row] = (of.bounds.0 / unit, of.bounds.1 / unit);
+                        let entries = block.derivatives_mut(pattern, row).iter_mut();
+                        for (entry, (_, by)) in entries.zip(scaled(of.by.x / unit)) {
+                            *entry = by;
+                        }
+                    }
+                }
             }
         }
+        weighed
     }
 }

@@ -1,7 +1,6 @@
 //! Free parameters of the estimation (paper §6).
 
 use super::quantity::Quantity;
-use super::whole::Scene;
 
 /// A free parameter `u`: a quantity that the estimation may change, within bounds (paper §6).
 #[derive(Clone, Debug, PartialEq)]
@@ -41,23 +40,4 @@ pub struct Cone {
     pub parameters: [usize; 2],
     /// Radius of the circle, in the parameters' unit.
     pub limit: f64,
-}
-
-impl Scene {
-    /// Leaves of the free quantities these, and the cones of which both are left.
-    pub(in crate::motion) fn keep_parameters(&mut self, is_kept: impl Fn(Quantity) -> bool) {
-        let all = self.parameters.iter().enumerate();
-        let kept = all.filter(|(_, free)| is_kept(free.quantity));
-        let kept: Vec<usize> = kept.map(|(index, _)| index).collect();
-        let place = |index: usize| kept.iter().position(|kept| *kept == index);
-        let cone = |cone: &Cone| {
-            let [a, b] = cone.parameters.map(place);
-            Some(Cone {
-                parameters: [a?, b?],
-                limit: cone.limit,
-            })
-        };
-        self.cones = self.cones.iter().filter_map(cone).collect();
-        self.parameters = kept.iter().map(|i| self.parameters[*i].clone()).collect();
-    }
 }

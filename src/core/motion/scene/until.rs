@@ -1,6 +1,7 @@
-//! The part of a scene before an event.
+//! The part of a scene before an event, or with some of its free quantities.
 
 use super::event::{Event, EventKind};
+use super::parameter::Cone;
 use super::quantity::Quantity;
 use super::whole::Scene;
 
@@ -32,6 +33,23 @@ impl Scene {
         let told: Vec<Quantity> = told.map(|of| of.quantity).collect();
         scene.keep_parameters(|quantity| told.contains(&quantity));
         scene
+    }
+
+    /// Leaves of the free quantities these, and the cones of which both are left.
+    pub(in crate::motion) fn keep_parameters(&mut self, is_kept: impl Fn(Quantity) -> bool) {
+        let all = self.parameters.iter().enumerate();
+        let kept = all.filter(|(_, free)| is_kept(free.quantity));
+        let kept: Vec<usize> = kept.map(|(index, _)| index).collect();
+        let place = |index: usize| kept.iter().position(|kept| *kept == index);
+        let cone = |cone: &Cone| {
+            let [a, b] = cone.parameters.map(place);
+            Some(Cone {
+                parameters: [a?, b?],
+                limit: cone.limit,
+            })
+        };
+        self.cones = self.cones.iter().filter_map(cone).collect();
+        self.parameters = kept.iter().map(|i| self.parameters[*i].clone()).collect();
     }
 }
 

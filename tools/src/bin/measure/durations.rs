@@ -2,7 +2,7 @@
 //! slowly as if somebody had acted them, and acted pencils. Errors, and whether what is said of the
 //! duration holds.
 //!
-//! One constant (`CONTRADICTION` in `src/core/estimate/timing.rs`) was chosen on every other toss, those
+//! One constant (`CONTRADICTION` in `src/core/estimate/covariance/timing.rs`) was chosen on every other toss, those
 //! of even index in the manifest; the table keeps them apart.
 
 use anyhow::{Context, Result};

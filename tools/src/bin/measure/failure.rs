@@ -13,7 +13,7 @@ mod troubles;
 use std::time::Instant;
 
 use anyhow::Result;
-use enact::estimate::recipe::{self, Recipe};
+use enact::estimate::schedule::recipe::{self, Recipe};
 use enact::optimise::finish::Tolerances;
 use enact::physics::Dynamics;
 use enact::physics::body::Symmetry;

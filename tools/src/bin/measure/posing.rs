@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use enact::estimate::recipe::{self, Recipe};
+use enact::estimate::schedule::recipe::{self, Recipe};
 use enact::motion::{Guess, Sketch, Stamp, TakeEvent};
 use enact::optimise::Schedule;
 use enact::optimise::finish::Tolerances;

@@ -7,9 +7,9 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use enact::estimate::context::{Guidance, SolveContext};
-use enact::estimate::point::Point;
-use enact::estimate::recipe::{self, Recipe, epochs_s};
+use enact::estimate::schedule::recipe::{self, Recipe, epochs_s};
+use enact::estimate::terms::context::{Guidance, SolveContext};
+use enact::estimate::unknowns::point::Point;
 use enact::optimise::Program;
 use enact::optimise::kkt::Kkt;
 use serde::Serialize;

@@ -3,8 +3,8 @@
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::estimate::adequacy::hand::Wander;
-use crate::estimate::context::SolveContext;
 use crate::estimate::covariance::bins::Bins;
+use crate::estimate::terms::context::SolveContext;
 
 /// Greatest probability of a suspect's score under a right value, of all together (Bonferroni).
 pub(super) const LEVEL: f64 = 1e-3;

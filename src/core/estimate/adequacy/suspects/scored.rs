@@ -4,8 +4,8 @@ use super::candidates::{Which, groups};
 use super::errors::{Errors, LEVEL};
 use super::wider::{Wider, unbounded};
 use crate::estimate::adequacy::score::{Extended, Scores};
-use crate::estimate::context::SolveContext;
-use crate::estimate::recipe::Solution;
+use crate::estimate::schedule::recipe::Solution;
+use crate::estimate::terms::context::SolveContext;
 use crate::motion::{FreeParameter, Performance, Quantity, Suspect};
 use crate::optimise::kkt::Kkt;
 

@@ -1,9 +1,9 @@
 //! Problems with more parameters.
 
-use crate::estimate::context::SolveContext;
-use crate::estimate::layout::Layout;
-use crate::estimate::point::Point;
 use crate::estimate::problem::Problem;
+use crate::estimate::terms::context::SolveContext;
+use crate::estimate::unknowns::layout::Layout;
+use crate::estimate::unknowns::point::Point;
 use crate::motion::{FreeParameter, Performance, Quantity, Scene};
 
 /// A problem with more parameters than that of a solution.

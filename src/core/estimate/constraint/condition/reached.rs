@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 
-use crate::estimate::arc_end::{self, ArcEnd};
-use crate::estimate::arrival::GeneralArrival;
 use crate::estimate::constraint::quantity::ByState;
-use crate::estimate::influence::Influence;
+use crate::estimate::problem::influence::Influence;
+use crate::estimate::reach::arc_end::{self, ArcEnd};
+use crate::estimate::reach::arrival::GeneralArrival;
 use crate::physics::state::{StateTangent, part};
 use crate::physics::{Body, State, flow};
 

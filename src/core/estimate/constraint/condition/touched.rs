@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, Vector3};
 
-use crate::estimate::arc_condition::Touched;
+use crate::estimate::problem::arc_condition::Touched;
 use crate::physics::State;
 use crate::physics::contact::{Contact, Feature, Frame, Touch, TouchDerivative};
 

@@ -5,9 +5,9 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use anyhow::Result;
-use enact::estimate::point::Point;
 use enact::estimate::problem::ArcSample;
-use enact::estimate::samples::{self, TimeTerms};
+use enact::estimate::terms::samples::{self, TimeTerms};
+use enact::estimate::unknowns::point::Point;
 use enact::motion::Phase;
 use enact::physics::Dynamics;
 use serde::Serialize;

@@ -5,14 +5,14 @@
 //! a pose at a time depends on the state of its flight and on the parameters, and to first order its
 //! deviation is that of a linear combination of those. Derivatives are central differences.
 
-use enact::estimate::context::SolveContext;
 use enact::estimate::covariance::noise::Noise;
 use enact::estimate::covariance::{Covariance, Moment};
-use enact::estimate::layout::Layout;
 use enact::estimate::outcome::errors;
-use enact::estimate::point::Point;
 use enact::estimate::problem::Problem;
-use enact::estimate::recipe::{self, Recipe};
+use enact::estimate::schedule::recipe::{self, Recipe};
+use enact::estimate::terms::context::SolveContext;
+use enact::estimate::unknowns::layout::Layout;
+use enact::estimate::unknowns::point::Point;
 use enact::math::{Pose, so3};
 use enact::motion::{MechanismIndex, Quantity, Scene, Stamp, TrackIndex};
 use enact::physics::State;

@@ -1,7 +1,7 @@
 //! Time against distance from the optimum, as tolerances vary.
 
 use anyhow::Result;
-use enact::estimate::recipe::{self, Recipe, Solution};
+use enact::estimate::schedule::recipe::{self, Recipe, Solution};
 use enact::optimise::Schedule;
 use enact::optimise::finish::Tolerances;
 

@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use enact::estimate::point::Point;
-use enact::estimate::recipe::{self, Recipe, Solution};
+use enact::estimate::schedule::recipe::{self, Recipe, Solution};
+use enact::estimate::unknowns::point::Point;
 use serde::Serialize;
 
 use enact_tools::case::{Case, best_verdict, is_bent};

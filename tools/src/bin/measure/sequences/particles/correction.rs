@@ -1,6 +1,6 @@
 //! A flight corrected by the samples of its segment.
 
-use enact::estimate::tempo;
+use enact::estimate::terms::tempo;
 use enact::math::so3;
 use enact::motion::{Sample, Seen};
 use enact::physics::State;

@@ -1,0 +1,146 @@
+//! The estimation as a [`Program`]: objective and constraints at a point, and the motion of points.
+
+use nalgebra::DVector;
+
+use crate::estimate::constraint::{At, Constraint};
+use crate::estimate::curvature;
+use crate::estimate::terms::context::{Guidance, SolveContext};
+use crate::estimate::terms::objective::Objective;
+use crate::estimate::unknowns::point::Point;
+use crate::optimise::envelope::Envelope;
+use crate::optimise::{Program, Structure, System};
+
+/// Typical step lengths `s` of the damping `10/s²` ([`Program::damping`]).
+mod length {
+    use crate::physics::Dynamics;
+
+    pub const TIME_S: f64 = 0.02;
+
+    /// Of the directions of a free body's state, three by three: position \[m\], orientation \[rad\],
+    /// velocity [m/s], angular velocity [rad/s].
+    const FREE: [f64; 4] = [0.05, 1.0, 0.5, 5.0];
+
+    /// Of every direction in which the state of a mechanism may change.
+    pub fn of_state(dynamics: &Dynamics) -> impl Iterator<Item = f64> {
+        match dynamics {
+            Dynamics::Free(_) => of_free(),
+        }
+    }
+
+    /// Of every direction in which the state of a free body may change.
+    pub fn of_free() -> impl Iterator<Item = f64> {
+        FREE.into_iter().flat_map(|length| [length; 3])
+    }
+}
+
+impl Program for SolveContext<'_> {
+    type Point = Point;
+    type Guidance = Guidance;
+
+    fn structure(&self) -> &Structure {
+        &self.layout.structure
+    }
+
+    fn evaluate(&self, guidance: &Guidance, point: &Point, system: &mut System) {
+        let mut objective = Objective::new(self, guidance, point, system);
+        objective.add_samples();
+        objective.add_priors();
+        objective.add_pulls();
+        objective.add_held();
+        self.fill_constraints(guidance, point, system);
+        self.add_priced(guidance.goal_weight_max, system);
+    }
+
+    fn retract(&self, from: &Point, step: &DVector<f64>, to: &mut Point) {
+        to.retract_from(from, self.problem, self.layout, step);
+    }
+
+    /// Parameters by the width of their bounds or their prior.
+    fn damping(&self) -> DVector<f64> {
+        let (problem, layout) = (self.problem, self.layout);
+        let information = problem.least_information();
+        let weight = |length: f64| 10.0 * information / (length * length);
+        let mut scale = DVector::repeat(layout.size(), weight(length::TIME_S));
+        for arc in 0..problem.arcs.len() {
+            let lengths = length::of_state(problem.dynamics_of(arc));
+            for (at, length) in layout.state(problem, arc).zip(lengths) {
+                scale[at] = weight(length);
+            }
+        }
+        for at in &layout.held {
+            for (entry, length) in length::of_free().enumerate() {
+                scale[at + entry] = weight(length);
+            }
+        }
+        for (at, free) in layout.parameters.iter().zip(&problem.parameters) {
+            scale[*at] = weight(free.length());
+        }
+        scale
+    }
+
+    fn is_open(&self) -> bool {
+        !self.problem.calm.is_empty()
+    }
+
+    fn is_curved(&self) -> bool {
+        let mut conditions = self.problem.conditions.iter();
+        conditions.any(|of| of.is_curved() && !of.is_soft())
+    }
+
+    fn information(&self) -> (f64, f64) {
+        (self.problem.least_information(), self.problem.information())
+    }
+
+    fn add_curvature(
+        &self,
+        (point, system): (&Point, &System),
+        multipliers: &[f64],
+        hessian: &mut Envelope,
+    ) {
+        curvature::add(self, system, point, multipliers, hessian);
+    }
+}
+
+impl SolveContext<'_> {
+    /// Typical step lengths of an arc's state.
+    pub(in crate::estimate) fn lengths_of_state(&self, arc: usize) -> DVector<f64> {
+        let dynamics = self.problem.dynamics_of(arc);
+        DVector::from_iterator(dynamics.dimension(), length::of_state(dynamics))
+    }
+
+    fn fill_constraints(&self, guidance: &Guidance, point: &Point, system: &mut System) {
+        let structure = &self.layout.structure;
+        let mut at = At::new(self.problem, point, &self.epochs_s);
+        at.approach_limits_m_s = &guidance.approach_limits_m_s;
+        let rows = structure.blocks.iter().zip(&mut system.blocks);
+        let priced = structure.priced.iter().zip(&mut system.priced);
+        for ((constraint, rows), priced) in self.problem.constraints().zip(rows).zip(priced) {
+            constraint.fill(&mut at, [rows, priced]);
+        }
+    }
+
+    /// Adds half the weighted squares of the priced rows' violations to the cost: of velocity gaps, and
+    /// of goals that have a weight. Of the curvature of rows, what is convex is part of the Hessian.
+    fn add_priced(&self, goal_weight_max: f64, system: &mut System) {
+        let structure = &self.layout.structure;
+        let blocks = system.priced.iter().zip(&structure.priced);
+        for (constraint, (block, pattern)) in self.problem.constraints().zip(blocks) {
+            let weight = constraint.price(self.problem, goal_weight_max);
+            let rows = 0..block.values.len();
+            if weight == 0.0 || rows.is_empty() {
+                continue;
+            }
+            let square = |row: usize| block.violation(row).powi(2);
+            system.cost += 0.5 * weight * rows.map(square).sum::<f64>();
+            let pull = |row: usize| weight * block.violation(row);
+            block.add_pull(pattern, pull, &mut system.gradient);
+            let acts = |row: usize| f64::from(block.acts(row)) * weight;
+            block.add_square(pattern, acts, &structure.pattern, &mut system.hessian);
+            for of in block.convex(pattern, pull) {
+                system
+                    .hessian
+                    .add(&structure.pattern, of.row, of.column, of.value);
+            }
+        }
+    }
+}

@@ -1,0 +1,346 @@
+//! Residuals of the samples of one view with their derivatives by everything that they depend on:
+//! state, time, and parameters that act on the flight or on what the tracker sees of it.
+//!
+//! This is the general form of the residuals, for arcs on which such parameters act and for bodies with
+//! drag; [`samples`](super::samples) and [`levered`](super::levered) are the short ones for all others. In the frame of the arc's epoch, in which `T(s) = R₀ᵀ R(s)`,
+//!
+//! ```text
+//! position      x(s) − x_i                       [world]     changed by δx
+//! point         x(s) + R(s) p − p_i              [world]     R₀ (δ × T p)
+//! orientation   R₀ᵀ R_i Log(R_iᵀ R(s))           [epoch]     δ
+//! direction     T(s) a − R₀ᵀ a_i, a chord        [epoch]     δ × T a
+//! ```
+//!
+//! where a change of `R(s)` by `δ` in that frame changes them by the last column
+//! (see [`TurnTerms`](crate::physics::observe::TurnTerms)).
+//!
+//! A sample with the covariance `L Lᵀ` of the tracker's place and rotation vector in world axes has the
+//! residual `L⁻¹ (p, R₀ e)`, the position being that of the tracker; the logarithm `e` then changes by
+//! `J_l⁻¹(e) δ`.
+
+use nalgebra::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6};
+
+use super::modelled::Mount;
+use crate::estimate::problem::influence::{Acting, Influence, drag_is_free};
+use crate::estimate::problem::{Problem, Shows, View};
+use crate::math::so3;
+use crate::physics::flow::{Fall, Spin, SpinByMoments};
+use crate::physics::state::{self, part};
+use crate::physics::{Body, State};
+
+/// A residual in units: position [world], orientation [frame of the epoch].
+type Six = [f64; 6];
+
+/// One residual with its derivatives.
+pub(in crate::estimate) struct Observed {
+    /// The residual.
+    pub(in crate::estimate) residual: Six,
+    /// Derivatives by the arc's state.
+    pub(in crate::estimate) by_state: [Six; state::DIMENSION],
+    /// Derivative by the sample's time [1/s].
+    pub(in crate::estimate) by_time: Six,
+    /// Derivatives by the acting parameters, in their order.
+    pub(in crate::estimate) by_acting: Vec<Six>,
+    /// `R₀ᵀ R(s)`, from the body's axes to the frame of the epoch.
+    pub(in crate::estimate) turn: UnitQuaternion<f64>,
+}
+
+/// The flight of one arc as its tracker sees it.
+pub(in crate::estimate) struct SampleObserver<'a> {
+    view: &'a View,
+    acting: &'a [Acting],
+    parameters: &'a [f64],
+    state: &'a State,
+    epoch_s: f64,
+    mount: Mount,
+    fall: Fall,
+    spin: Spin,
+    /// Where a moment is free.
+    moments: Option<SpinByMoments>,
+    /// Derivatives of the mount's turn by the components of the tracker's rotation vector.
+    by_turn: Matrix3<f64>,
+}
+
+/// How a residual follows a change of the flight: that of the centre of mass, in the world, and that of
+/// the rotation, in the frame of the epoch.
+struct Following<'w> {
+    /// `R₀`.
+    from_epoch: Matrix3<f64>,
+    /// What is seen of a change of the centre of mass.
+    sees_place: bool,
+    /// Of a change of the rotation `δ`, the change of the position, `R₀ (δ × T p)`.
+    lever_m: Vector3<f64>,
+    /// Of a change of the rotation `δ`, the change of the turn: `δ`, `δ × T a` or nothing.
+    turn: Matrix3<f64>,
+    /// From metres and radians to units.
+    to_units: ToUnits<'w>,
+}
+
+enum ToUnits<'w> {
+    /// Units of positions and of turns.
+    Each([f64; 2]),
+    /// `L⁻¹`.
+    Whitened(&'w Matrix6<f64>),
+}
+
+impl Following<'_> {
+    fn six(&self, shift_m: Vector3<f64>, turn: Vector3<f64>) -> Six {
+        let mut position = self.from_epoch * turn.cross(&self.lever_m);
+        if self.sees_place {
+            position += shift_m;
+        }
+        self.in_units(position, self.turn * turn)
+    }
+
+    fn in_units(&self, position_m: Vector3<f64>, turn_rad: Vector3<f64>) -> Six {
+        match &self.to_units {
+            ToUnits::Each([unit_m, unit_rad]) => {
+                let (p, r) = (position_m / *unit_m, turn_rad / *unit_rad);
+                [p.x, p.y, p.z, r.x, r.y, r.z]
+            }
+            ToUnits::Whitened(whitening) => {
+                let turn = self.from_epoch * turn_rad;
+                let both = Vector6::from_iterator(position_m.iter().chain(turn.iter()).copied());
+                (*whitening * both).into()
+            }
+        }
+    }
+}
+
+impl<'a> SampleObserver<'a> {
+    /// The flight of an arc of `body` from a state at its epoch, as a view sees it.
+    pub(in crate::estimate) fn new(
+        problem: &'a Problem,
+        (arc, view): (usize, &'a View),
+        (body, gravity_m_s2): (&Body, &Vector3<f64>),
+        (state, epoch_s): (&'a State, f64),
+        parameters: &'a [f64],
+    ) -> Self {
+        let mount = problem.mount_at(arc, view.track, parameters);
+        let acting = &problem.arcs[arc].acting;
+        let rotation = problem.mounts[view.track].rotation;
+        Self {
+            view,
+            acting,
+            parameters,
+            state,
+            epoch_s,
+            fall: Fall::new(body, gravity_m_s2, state).with_drag_free(drag_is_free(acting)),
+            spin: Spin::new(body, &state.angular_velocity_rad_s),
+            moments: acting
+                .iter()
+                .any(|acting| matches!(acting.influence, Influence::Moment(_)))
+                .then(|| SpinByMoments::new(body, &state.angular_velocity_rad_s)),
+            by_turn: -(so3::right_jacobian(&mount.turn) * so3::matrix(&rotation)),
+            mount,
+        }
+    }
+
+    /// A sample's physical time \[s\].
+    pub(in crate::estimate) fn time_s(&self, sample: usize, node_times_s: &[f64]) -> f64 {
+        let zero_s = node_times_s.first().copied().unwrap_or(0.0);
+        self.mount
+            .time_s(self.stamped_s(sample, node_times_s), zero_s)
+    }
+
+    /// A sample's time before the clock's correction \[s\].
+    fn stamped_s(&self, sample: usize, node_times_s: &[f64]) -> f64 {
+        let of = &self.view.samples[sample];
+        of.stamped_s(node_times_s, self.parameters)
+    }
+
+    /// By how much the flight is off what a sample shows: of positions \[m, world\], and of
+    /// orientations as a rotation vector or of directions as a chord \[rad, body\].
+    pub(in crate::estimate) fn off(
+        &mut self,
+        sample: usize,
+        node_times_s: &[f64],
+    ) -> [Vector3<f64>; 2] {
+        let s = self.time_s(sample, node_times_s) - self.epoch_s;
+        let turn = self.spin.turn(s);
+        let orientation = self.state.orientation * turn;
+        let of = &self.view.samples[sample];
+        let (centre_m, measured) = self.mount.seen(of);
+        let place_m = self.fall.position(s);
+        let mut off = [Vector3::zeros(); 2];
+        match self.view.shows {
+            Shows::Pose => {
+                off[0] = place_m - centre_m;
+                off[1] = so3::log(&(measured.inverse() * orientation));
+            }
+            Shows::Point => off[0] = place_m + orientation * self.mount.to_m - of.position_m,
+            Shows::Orientation => off[1] = so3::log(&(measured.inverse() * orientation)),
+            Shows::Direction(axis) => {
+                off[1] = axis - orientation.inverse() * (of.orientation * axis);
+            }
+        }
+        off
+    }
+
+    /// [`SampleObserver::off`] in units, with whitening where samples have covariances.
+    pub(in crate::estimate) fn residual(&mut self, sample: usize, node_times_s: &[f64]) -> Six {
+        if !self.view.whitenings.is_empty() {
+            return self.observed(sample, node_times_s).residual;
+        }
+        let [unit_m, unit_rad] = self.view.units;
+        let [shift, turn] = self.off(sample, node_times_s);
+        let (shift, turn) = (shift / unit_m, turn / unit_rad);
+        [shift.x, shift.y, shift.z, turn.x, turn.y, turn.z]
+    }
+
+    /// The residual of a sample with its derivatives.
+    pub(in crate::estimate) fn observed(
+        &mut self,
+        sample: usize,
+        node_times_s: &[f64],
+    ) -> Observed {
+        self.observed_in(sample, node_times_s, Vec::new())
+    }
+
+    /// [`SampleObserver::observed`] with memory for the derivatives by acting parameters.
+    pub(in crate::estimate) fn observed_in(
+        &mut self,
+        sample: usize,
+        node_times_s: &[f64],
+        mut memory: Vec<Six>,
+    ) -> Observed {
+        let of = &self.view.samples[sample];
+        let stamped_s = self.stamped_s(sample, node_times_s);
+        let s = self.time_s(sample, node_times_s) - self.epoch_s;
+        let (centre_m, measured) = self.mount.seen(of);
+        let fallen = self.fall.fallen(s);
+        let (turn, k) = self.spin.turn_and_derivative(s);
+        let to_epoch = self.state.orientation.inverse() * measured;
+        let whitening = self.view.whitenings.get(sample);
+        let [sees_place, sees_turn] = self.view.kinds();
+        // Where a covariance is that of the tracker's place, so is the residual.
+        let is_of_tracker = self.view.shows == Shows::Point || sees_place && whitening.is_some();
+        // The axis whose direction is seen, flown and shown.
+        let axis = match self.view.shows {
+            Shows::Direction(axis) => Some([
+                turn * axis,
+                self.state.orientation.inverse() * (of.orientation * axis),
+            ]),
+            _ => None,
+        };
+        let lever_m = if is_of_tracker {
+            turn * self.mount.to_m
+        } else {
+            Vector3::zeros()
+        };
+        let error = match axis {
+            Some([flown, shown]) => flown - shown,
+            None if sees_turn => so3::log(&(turn * (measured.inverse() * self.state.orientation))),
+            None => Vector3::zeros(),
+        };
+        let following = Following {
+            from_epoch: so3::matrix(&self.state.orientation),
+            sees_place,
+            lever_m,
+            turn: match axis {
+                Some([flown, _]) => -so3::hat(&flown),
+                // Equal weights in all directions see no difference, `J_l⁻¹(e)ᵀ e = e`.
+                None if sees_turn && whitening.is_some() => {
+                    so3::right_jacobian_inverse(&error).transpose()
+                }
+                None if sees_turn => Matrix3::identity(),
+                None => Matrix3::zeros(),
+            },
+            to_units: match whitening {
+                Some(whitening) => ToUnits::Whitened(whitening),
+                None => ToUnits::Each(self.view.units),
+            },
+        };
+        let zero = Vector3::zeros();
+        let shift_m = match () {
+            () if is_of_tracker => {
+                let seen_m = match self.view.shows {
+                    Shows::Point => of.position_m,
+                    _ => of.position_m + of.orientation * self.mount.from_m,
+                };
+                fallen.position_m + following.from_epoch * lever_m - seen_m
+            }
+            () if sees_place => fallen.position_m - centre_m,
+            () => zero,
+        };
+        let mut by_state = [[0.0; 6]; state::DIMENSION];
+        for axis in 0..3 {
+            let unit = Vector3::ith(axis, 1.0);
+            by_state[part::POSITION + axis] = following.six(unit, zero);
+            by_state[part::ORIENTATION + axis] = following.six(zero, unit);
+            let by_velocity = fallen.position_by_velocity.column(axis).into_owned();
+            by_state[part::VELOCITY + axis] = following.six(by_velocity, zero);
+            by_state[part::ANGULAR_VELOCITY + axis] = following.six(zero, k.column(axis) * s);
+        }
+        let by_time = following.six(fallen.velocity_m_s, k * self.state.angular_velocity_rad_s);
+        let zero_s = node_times_s.first().copied().unwrap_or(0.0);
+        let mount_m = self.mount.to_m;
+        let flown = self.state.orientation * turn;
+        let track = self.view.track;
+        let by_acting = self.acting.iter().map(|acting| {
+            if !acting.is_on(track) {
+                return [0.0; 6];
+            }
+            // The place on the body that is seen, moved by a unit along an axis of the link.
+            let moved = |axis: usize, by: f64| {
+                let unit = Vector3::ith(axis, by);
+                let shift = if is_of_tracker {
+                    flown * unit
+                } else {
+                    measured * unit
+                };
+                following.in_units(if sees_place { shift } else { zero }, zero)
+            };
+            match acting.influence {
+                Influence::Pull(axis) => {
+                    following.six(fallen.position_by_pull.column(axis).into_owned(), zero)
+                }
+                Influence::LinearDrag => {
+                    following.six(fallen.position_by_drag.column(0).into_owned(), zero)
+                }
+                Influence::QuadraticDrag => {
+                    following.six(fallen.position_by_drag.column(1).into_owned(), zero)
+                }
+                Influence::Moment(axes) => {
+                    let by_moments = self.moments.as_mut().expect("a free moment");
+                    let by_logarithms = by_moments.at(s).orientation;
+                    let change: Vector3<f64> = (0..3)
+                        .filter(|axis| axes[*axis])
+                        .map(|axis| by_logarithms.column(axis).into_owned())
+                        .sum();
+                    following.six(zero, turn * change / self.parameters[acting.parameter])
+                }
+                Influence::Centre(axis) => moved(axis, -1.0),
+                Influence::TrackerPosition(axis) => moved(axis, 1.0),
+                // A direction is no reading of the tracker's frame.
+                Influence::TrackerOrientation(_) if axis.is_some() => [0.0; 6],
+                Influence::TrackerOrientation(about) => {
+                    let change: Vector3<f64> = self.by_turn.column(about).into();
+                    let shift = if sees_place && !is_of_tracker {
+                        measured * change.cross(&mount_m)
+                    } else {
+                        zero
+                    };
+                    following.in_units(shift, -(following.turn.tr_mul(&(to_epoch * change))))
+                }
+                Influence::ClockRate => by_time.map(|by| by * (stamped_s - zero_s)),
+                Influence::ClockOffset => by_time,
+                Influence::ContactDuration => by_time.map(|by| -by),
+                Influence::SampleTime if of.open == Some(acting.parameter) => {
+                    by_time.map(|by| by * (1.0 + self.mount.rate))
+                }
+                Influence::SampleTime => [0.0; 6],
+                Influence::Mass | Influence::SurfaceHeight | Influence::SurfaceTilt(_) => [0.0; 6],
+            }
+        });
+        memory.clear();
+        memory.extend(by_acting);
+        Observed {
+            residual: following.in_units(shift_m, error),
+            by_state,
+            by_time,
+            by_acting: memory,
+            turn,
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! The unknowns: where each is in a step ([`layout`]), and their values ([`point`]).
+
+pub mod layout;
+pub mod point;
