@@ -1,8 +1,8 @@
 //! The problem of a scene and a sketch: which arcs there are, what ties them, and what is free.
 
-pub(in crate::estimate) mod calm;
 pub(in crate::estimate) mod conditions;
 pub(in crate::estimate) mod nodes;
+pub(in crate::estimate) mod regulariser;
 pub(in crate::estimate) mod sample_order;
 pub(in crate::estimate) mod seen;
 pub(in crate::estimate) mod waypoint;
@@ -147,7 +147,7 @@ impl Problem {
             ends_are_samples: scene.timing == Timing::Edited,
             time_bounds,
             waypoints,
-            calm: calm::pulls(&arcs),
+            regulariser: regulariser::pulls(&arcs),
             arcs,
             event_is_free,
             events_acted_s: sketch.marks_s.clone(),

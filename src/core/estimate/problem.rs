@@ -467,7 +467,7 @@ pub struct Problem {
     /// on.
     pub keeps_starts: bool,
     /// Pulls to rest on arcs that are not seen whole.
-    pub calm: Vec<Pull>,
+    pub regulariser: Vec<Pull>,
     /// Temporary pulls on states of arcs.
     pub pulls: Vec<Pull>,
 }

@@ -15,9 +15,6 @@ mod again;
 mod energy;
 mod flights;
 mod limits;
-mod link;
-
-pub(super) use link::JoinedLink;
 
 use super::credible::kinematics::{SPEED_M_S, SPIN_RAD_S};
 use super::credible::marks;

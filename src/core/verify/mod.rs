@@ -14,6 +14,7 @@ mod expected;
 mod gap;
 pub mod joined;
 mod law;
+mod link;
 mod meeting;
 mod moving;
 mod overlap;

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::joined::JoinedLink;
+use super::link::JoinedLink;
 use crate::motion::held::HeldEstimate;
 use crate::motion::{ArcEstimate, Estimate, Link, LinkIndex, Scene};
 use crate::physics::shape::Solid;

@@ -110,7 +110,7 @@ impl Constraint for ArcCondition {
         }
     }
 
-    fn is_wish(&self) -> bool {
+    fn is_soft_goal(&self) -> bool {
         self.is_soft()
     }
 

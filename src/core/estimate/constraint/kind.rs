@@ -80,7 +80,7 @@ pub trait Constraint {
     }
 
     /// Whether its priced rows are a goal that has a weight.
-    fn is_wish(&self) -> bool {
+    fn is_soft_goal(&self) -> bool {
         false
     }
 

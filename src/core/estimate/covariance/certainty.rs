@@ -181,7 +181,7 @@ impl<'a> Covariance<'a> {
         let priced = self.system.priced.iter();
         let blocks = priced.zip(&self.context.structure().priced);
         let wishes = problem.constraints().zip(blocks);
-        let wishes = wishes.filter(|(constraint, _)| constraint.is_wish());
+        let wishes = wishes.filter(|(constraint, _)| constraint.is_soft_goal());
         let each = wishes.map(|(constraint, (block, pattern))| {
             let mut change = vec![0.0; block.values.len()];
             block.along(pattern, answer, &mut change);

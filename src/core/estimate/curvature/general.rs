@@ -23,7 +23,7 @@ pub fn add(nudged: &mut Nudged, matrix: &mut Envelope) {
         // Where no body has such moments there is nothing to bend.
         let _ = seen.add(nudged, matrix);
     }
-    for pull in problem.pulls.iter().chain(&problem.calm) {
+    for pull in problem.pulls.iter().chain(&problem.regulariser) {
         let (_, by_state) = pull.term(&point.arcs[pull.arc]);
         let own: Vec<usize> = context.layout.state(problem, pull.arc).collect();
         let slopes = nudged.slopes(&own, |point| {

@@ -79,7 +79,7 @@ impl Program for SolveContext<'_> {
     }
 
     fn is_open(&self) -> bool {
-        !self.problem.calm.is_empty()
+        !self.problem.regulariser.is_empty()
     }
 
     fn is_curved(&self) -> bool {

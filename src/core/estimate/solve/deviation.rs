@@ -60,7 +60,7 @@ pub fn fill(
         }
     }
     estimate.undetermined.extend(undetermined_times);
-    if context.problem.keeps_starts || !context.problem.calm.is_empty() {
+    if context.problem.keeps_starts || !context.problem.regulariser.is_empty() {
         let open = undetermined_motion(context, sds);
         estimate.undetermined.extend(open);
     }

@@ -299,7 +299,7 @@ impl<'a> Objective<'a> {
     /// Adds the pulls on states, to others and to rest.
     pub(in crate::estimate) fn add_pulls(&mut self) {
         let (problem, states) = (self.context.problem, &self.point.arcs);
-        for pull in problem.pulls.iter().chain(&problem.calm) {
+        for pull in problem.pulls.iter().chain(&problem.regulariser) {
             let (residuals, by_state) = pull.term(&states[pull.arc]);
             let at = self.context.layout.arcs[pull.arc];
             *self.cost += 0.5 * residuals.norm_squared();

@@ -1,13 +1,13 @@
 //! The motion until an event, by the samples before it alone: what is known of the event before it is known what
 //! touches there.
 
-use super::course::{Course, Stop};
+use super::continuation::{Continuation, Intervals, KICK_RAD_S, continuation, continued};
 use super::goal::TreeGoal;
-use super::grow::{Growth, KICK_RAD_S, Legs, grown, growth};
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
 use super::sample::TreeSample;
+use super::trajectory::{Stop, Trajectory};
 use crate::estimate::constraint::quantity;
 use crate::math::random::Random;
 use crate::motion::{GoalUnit, LinkIndex, Observer, Scene};
@@ -16,9 +16,9 @@ use crate::physics::State;
 use crate::physics::tree::{ForestSnapshot, TreeState};
 
 /// How the part until the event grows: as a rule, and where that leads to a lost motion.
-const GROWTHS: [Growth; 2] = [
-    growth(1.5, Legs::One, KICK_RAD_S),
-    growth(1.25, Legs::One, KICK_RAD_S),
+const CONTINUATIONS: [Continuation; 2] = [
+    continuation(1.5, Intervals::One, KICK_RAD_S),
+    continuation(1.25, Intervals::One, KICK_RAD_S),
 ];
 /// Samples tell how uncertain the motion is at the event that are at most so long before it \[s\].
 const LATE_S: f64 = 0.15;
@@ -48,13 +48,13 @@ impl Before {
         let until = problem.until(event)?;
         let mut work = Work::default();
         let mut least: Option<(f64, TreeProblem, TreePoint)> = None;
-        for by in GROWTHS {
+        for by in CONTINUATIONS {
             for (pace, start) in starts {
                 let mut paced = until.clone();
                 if let Some(tempo) = &mut paced.tempo {
                     tempo.guess = *pace;
                 }
-                let led = grown(
+                let led = continued(
                     &paced,
                     start.clone(),
                     by,
@@ -104,10 +104,10 @@ impl Before {
     /// The state of a link so long after the event \[s\], as if nothing touched there.
     pub fn state(&self, scene: &Scene, link: LinkIndex, after_s: f64) -> State {
         let line = self.point.time_line(&self.problem);
-        let mut course = Course::plain(&self.problem, &line, &self.state, self.event_s);
-        course.advance(Stop::known(self.event_s + after_s));
+        let mut trajectory = Trajectory::plain(&self.problem, &line, &self.state, self.event_s);
+        trajectory.advance(Stop::known(self.event_s + after_s));
         let mut snapshot = ForestSnapshot::new(&self.problem.forest, &self.problem.gravity_m_s2);
-        snapshot.set(&course.state());
+        snapshot.set(&trajectory.state());
         snapshot.link_state(scene.place_of(link))
     }
 

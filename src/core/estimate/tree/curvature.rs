@@ -8,7 +8,7 @@
 //! ```
 //!
 //! is added, which makes steps along `Z` what they are with all of `S`: what of it is left out only multipliers see. Of
-//! several legs `S` itself is told, but for what little couples two of them: directions that are free move all nodes. What
+//! several intervals `S` itself is told, but for what little couples two of them: directions that are free move all nodes. What
 //! was told at one point serves near by: a step by a Hessian that is nearly right leads to the same optimum, and each
 //! direction costs an evaluation.
 
@@ -26,14 +26,14 @@ const NEAR: f64 = 0.1;
 /// and by which share of them multipliers may differ.
 const NEAR_MULTIPLIERS: f64 = 0.2;
 
-/// What is lacking at a point with its multipliers.
-pub(super) struct Lacking {
+/// What the Hessian lacks at a point with its multipliers.
+pub(super) struct HessianRemainder {
     point: TreePoint,
     multipliers: Vec<f64>,
     matrix: DMatrix<f64>,
 }
 
-impl Lacking {
+impl HessianRemainder {
     /// Tells it of a program along free directions, a column each, orthonormal.
     pub(super) fn along<P: Program<Point = TreePoint>>(
         program: &P,
@@ -42,9 +42,9 @@ impl Lacking {
         point: &TreePoint,
         multipliers: &[f64],
     ) -> Self {
-        let lacking = changes(program, guidance, free, point, multipliers);
-        let across = &lacking * free.transpose();
-        let along = free * free.tr_mul(&lacking) * free.transpose();
+        let remainder = changes(program, guidance, free, point, multipliers);
+        let across = &remainder * free.transpose();
+        let along = free * free.tr_mul(&remainder) * free.transpose();
         Self {
             point: point.clone(),
             multipliers: multipliers.to_vec(),
@@ -52,9 +52,9 @@ impl Lacking {
         }
     }
 
-    /// Tells of it, where there are several legs, all that couples unknowns of the same one: one difference tells a column
-    /// of every other leg.
-    pub(super) fn on_legs<P: Program<Point = TreePoint>>(
+    /// Tells of it, where there are several intervals, all that couples unknowns of the same one: one difference tells a column
+    /// of every other interval.
+    pub(super) fn on_intervals<P: Program<Point = TreePoint>>(
         program: &P,
         guidance: &P::Guidance,
         problem: &TreeProblem,
@@ -74,11 +74,11 @@ impl Lacking {
             for (at, unknown) in moved().flat_map(|node| unknowns(node).enumerate()) {
                 each[(unknown, at)] = 1.0;
             }
-            let lacking = changes(program, guidance, &each, point, multipliers);
+            let remainder = changes(program, guidance, &each, point, multipliers);
             for node in moved() {
                 for (at, column) in unknowns(node).enumerate() {
                     for row in unknowns(node) {
-                        let half = 0.5 * lacking[(row, at)];
+                        let half = 0.5 * remainder[(row, at)];
                         matrix[(row, column)] += half;
                         matrix[(column, row)] += half;
                     }

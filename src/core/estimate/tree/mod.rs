@@ -2,7 +2,7 @@
 //! times.
 //!
 //! All that moves is one [forest](crate::physics::tree::Forest). The unknowns are its states at a few
-//! [nodes](problem) along its motion: at the start alone (single shooting), or at more where errors grow too much
+//! [nodes](problem) along its motion: at the start alone (single shooting), or at the ends of shooting intervals where errors grow too much
 //! from one end to the other (multiple shooting), with the flow's end at each node as a hard condition, and times of
 //! impacts and waypoints on the way. At an impact a gap is zero and the rates jump. Samples and goals are quantities
 //! of links' states, which follow from that of all ([`program`]). [`solve`] grows the part of the sketch that counts from
@@ -11,15 +11,16 @@
 mod adequacy;
 pub mod before;
 mod bounds;
-mod course;
+mod continuation;
 mod curvature;
 pub mod event;
 pub mod goal;
-mod grow;
 mod hands;
+mod interval;
 pub mod law;
-mod leg;
+mod modes;
 mod motions;
+mod observability;
 pub mod on_nodes;
 mod optimum;
 pub mod outcome;
@@ -34,18 +35,17 @@ pub mod solve;
 pub mod tempo;
 mod time_line;
 mod timed;
-mod valley;
+mod trajectory;
 mod walk;
-mod weak;
 
 #[cfg(test)]
 mod tests;
 
 pub use before::Before;
 pub use optimum::Solved;
-pub use outcome::{Told, estimate, evidence};
+pub use outcome::{Detail, estimate, evidence};
 pub use point::TreePoint;
 pub use problem::TreeProblem;
-pub use rival::{Led, rival};
+pub use rival::{RivalOutcome, rival};
 pub use solve::solve as solved;
 pub use walk::{EXACTLY, ROUGHLY};

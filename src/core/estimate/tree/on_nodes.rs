@@ -1,6 +1,8 @@
 //! A problem on nodes that are given, to compare numbers of them.
 
-use super::grow::{Grown, Growth, KICK_RAD_S, Legs, grown, growth};
+use super::continuation::{
+    Continuation, Continued, Intervals, KICK_RAD_S, continuation, continued,
+};
 use super::optimum::{Solved, finished};
 use super::point::TreePoint;
 use super::problem::TreeProblem;
@@ -12,12 +14,12 @@ use crate::optimise::{Schedule, Work};
 use crate::physics::tree::TreeState;
 
 /// How the part of the sketch that counts grows.
-const GROWTH: Growth = growth(1.5, Legs::Given, KICK_RAD_S);
+const CONTINUATION: Continuation = continuation(1.5, Intervals::Given, KICK_RAD_S);
 
 /// From where a problem is solved on its own nodes.
 pub enum Start {
     /// A state at the beginning, from which the part of the sketch that counts grows.
-    Grown(TreeState),
+    Continued(TreeState),
     /// A state at each node.
     Nodes(Vec<TreeState>),
 }
@@ -26,10 +28,10 @@ pub enum Start {
 pub fn solve_on_nodes(problem: &TreeProblem, start: Start, observer: &mut dyn Observer) -> Solved {
     let mut work = Work::default();
     let led = match start {
-        Start::Grown(state) => grown(
+        Start::Continued(state) => continued(
             problem,
             state,
-            GROWTH,
+            CONTINUATION,
             &mut Random::default(),
             &mut work,
             observer,
@@ -38,7 +40,7 @@ pub fn solve_on_nodes(problem: &TreeProblem, start: Start, observer: &mut dyn Ob
             let mut problem = problem.clone();
             let point = TreePoint::new(&problem, states);
             problem.step_s = problem.step_for(&point, problem.span_s[1], ROUGHLY);
-            Grown {
+            Continued {
                 problem,
                 point,
                 is_lost: false,

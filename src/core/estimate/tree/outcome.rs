@@ -5,10 +5,10 @@ use nalgebra::DVector;
 use super::adequacy::certainty::Certainty;
 use super::adequacy::{self, linearised::Linearised};
 use super::motions::{Motions, motions};
+use super::observability;
 use super::optimum::Solved;
 use super::problem::TreeProblem;
 use super::time_line::TimeLine;
-use super::weak;
 use crate::estimate::constraint::bound::at_bound;
 use crate::estimate::outcome::progress;
 use crate::estimate::problem::unit;
@@ -27,7 +27,7 @@ const NEAR: f64 = 1e-6;
 
 /// How much is told of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Told {
+pub enum Detail {
     /// The motion: enough to check it.
     Motion,
     /// How certain it is and how well it fits, too.
@@ -39,7 +39,7 @@ pub fn estimate(
     scene: &Scene,
     sketch: &Sketch,
     solved: &Solved,
-    told: Told,
+    detail: Detail,
     observer: &mut dyn Observer,
 ) -> Estimate {
     let (problem, solution) = (&solved.problem, &solved.solution);
@@ -63,7 +63,7 @@ pub fn estimate(
         (Some((_, Mechanism::Tree(joined))), None) => Some(joined),
         _ => None,
     };
-    let is_whole = told == Told::Whole;
+    let is_whole = detail == Detail::Whole;
     let judged = match alone {
         _ if !is_whole => Err(FitUntold::NotAsked),
         _ if verdict != Verdict::Physical => Err(FitUntold::NoMotion),
@@ -271,7 +271,7 @@ fn gap(solved: &Solved, event: usize, within: Option<usize>) -> Gap {
 /// Parts of the state at the beginning of which the prior says more than sketch and goals do.
 fn open(solved: &Solved, scene: &Scene) -> Vec<Undetermined> {
     let problem = &solved.problem;
-    let directions = weak::directions(problem, &solved.solution, TOLD);
+    let directions = observability::directions(problem, &solved.solution, TOLD);
     let parts = directions.iter().flat_map(|of| parts(problem, scene, of));
     let mut open = Vec::new();
     for part in parts {

@@ -135,7 +135,7 @@ impl TreeProblem {
 
     /// Number of unknowns of the motion from a node to the next: the node's tangent, times of events, log-paces,
     /// parameters.
-    pub(super) fn leg_size(&self, node: usize) -> usize {
+    pub(super) fn interval_size(&self, node: usize) -> usize {
         self.width() + self.events_of(node).len() + self.pace_count() + self.parameters.len()
     }
 
@@ -188,7 +188,7 @@ impl TreeProblem {
     }
 
     /// Beginning and end of the motion from a node to the next \[s\].
-    pub fn leg_s(&self, node: usize) -> [f64; 2] {
+    pub fn interval_s(&self, node: usize) -> [f64; 2] {
         let to_s = self.nodes_s.get(node + 1).copied();
         [self.nodes_s[node], to_s.unwrap_or(self.span_s[1])]
     }
@@ -204,7 +204,7 @@ impl TreeProblem {
         }
     }
 
-    /// The place among all unknowns of one of a leg's: the node's tangent, then times of its events, then log-paces and
+    /// The place among all unknowns of one of an interval's: the node's tangent, then times of its events, then log-paces and
     /// parameters.
     pub(super) fn unknown_of(&self, node: usize, at: usize) -> usize {
         let events = self.events_of(node);

@@ -1,11 +1,11 @@
-//! The motion of trees as a program for the [optimiser](crate::optimise): its legs (`leg`) summed, what holds rates
+//! The motion of trees as a program for the [optimiser](crate::optimise): its intervals (`interval`) summed, what holds rates
 //! at the start and what nothing else does, and the curvature of all of it.
 
 use std::cell::RefCell;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::curvature::{Lacking, dense};
+use super::curvature::{HessianRemainder, dense};
 use super::point::TreePoint;
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
 use super::rows;
@@ -16,7 +16,7 @@ use crate::optimise::{Program, Structure, System};
 
 /// Weight of a squared radian, metre or their rates, or step, that holds what nothing else does, per information: next
 /// to nothing.
-pub(super) const CALM: f64 = 1e-8;
+pub(super) const REGULARISER: f64 = 1e-8;
 /// Typical changes of coordinates and of rates, in radians, metres and seconds,
 pub(super) const LENGTHS: [f64; 2] = [0.3, 3.0];
 /// of times \[s\],
@@ -53,18 +53,18 @@ pub struct TreeProgram<'a> {
     pub(super) problem: &'a TreeProblem,
     pub(super) structure: Structure,
     /// Where what nothing determines stays.
-    calm: TreePoint,
+    anchor: TreePoint,
     /// What was told last of the curvature.
-    told: RefCell<Option<Lacking>>,
+    told: RefCell<Option<HessianRemainder>>,
 }
 
 impl<'a> TreeProgram<'a> {
-    /// The program of a problem; what nothing determines stays where it is in `calm`.
-    pub fn new(problem: &'a TreeProblem, calm: TreePoint) -> Self {
+    /// The program of a problem; what nothing determines stays where it is in `anchor`.
+    pub fn new(problem: &'a TreeProblem, anchor: TreePoint) -> Self {
         let (width, nodes) = (problem.width(), problem.nodes_s.len());
         let of = |node: usize| node * width..(node + 1) * width;
-        let of_leg = |node: usize| {
-            let own = 0..problem.leg_size(node);
+        let of_interval = |node: usize| {
+            let own = 0..problem.interval_size(node);
             own.map(move |at| problem.unknown_of(node, at))
         };
         let mut blocks: Vec<BlockPattern> = Vec::new();
@@ -76,16 +76,17 @@ impl<'a> TreeProgram<'a> {
             let node = problem.node_of(problem.about_s(goal));
             blocks.push(BlockPattern::dense(
                 goal.row_count(),
-                of_leg(node).collect(),
+                of_interval(node).collect(),
             ));
         }
         for node in 1..nodes {
-            let columns = of_leg(node - 1).chain(of(node)).collect();
+            let columns = of_interval(node - 1).chain(of(node)).collect();
             blocks.push(BlockPattern::dense(width, columns));
         }
         for (index, event) in problem.events.iter().enumerate() {
             let node = problem.node_of(event.about_s);
-            let mut pattern = BlockPattern::dense(event.touch_row_count(), of_leg(node).collect());
+            let mut pattern =
+                BlockPattern::dense(event.touch_row_count(), of_interval(node).collect());
             for times in rows::order_unknowns(problem, index) {
                 pattern.push(1, times);
             }
@@ -103,12 +104,12 @@ impl<'a> TreeProgram<'a> {
                 blocks,
             },
             problem,
-            calm,
+            anchor,
             told: RefCell::new(None),
         }
     }
 
-    /// [`Program::evaluate`], and every sample of which `each` is told with the node of its leg. Where derivatives are
+    /// [`Program::evaluate`], and every sample of which `each` is told with the node of its interval. Where derivatives are
     /// not asked for, those of samples have no columns, and those of rows are zero.
     pub(super) fn evaluate_each(
         &self,
@@ -124,7 +125,7 @@ impl<'a> TreeProgram<'a> {
         system.hessian.clear();
         for node in 0..problem.nodes_s.len() {
             let each = &mut |residual: &Residual| each(node, residual);
-            let sums = self.leg(node, has_derivatives, part, point, &mut system.blocks, each);
+            let sums = self.interval(node, has_derivatives, part, point, &mut system.blocks, each);
             system.cost += sums.cost;
             let place = |at: usize| problem.unknown_of(node, at);
             for row in (0..sums.gradient.len()).take_while(|_| has_derivatives) {
@@ -143,7 +144,7 @@ impl<'a> TreeProgram<'a> {
         for row in problem.fill_timed(point, patterns, &mut system.blocks) {
             self.pull(row.off, &row.by, 1.0, system);
         }
-        self.calm(part, point, system);
+        self.regularise(part, point, system);
     }
 
     /// Hessian of a part's cost.
@@ -182,17 +183,17 @@ impl<'a> TreeProgram<'a> {
     }
 
     /// What holds rates of the start, times at their marks, the tempo, parameters, and what nothing else does.
-    fn calm(&self, part: &Part, point: &TreePoint, system: &mut System) {
+    fn regularise(&self, part: &Part, point: &TreePoint, system: &mut System) {
         let problem = self.problem;
         let (width, freedoms) = (problem.width(), problem.forest.freedoms());
-        for (node, (state, calm)) in point.nodes.iter().zip(&self.calm.nodes).enumerate() {
-            let off = problem.forest.minus(state, calm);
+        for (node, (state, anchor)) in point.nodes.iter().zip(&self.anchor.nodes).enumerate() {
+            let off = problem.forest.minus(state, anchor);
             for (at, off) in off.into_iter().enumerate() {
                 let is_rate = at >= freedoms && !problem.forest.is_translation(at - freedoms);
                 let (off, weight) = if node == 0 && is_rate {
                     (state.rates[at - freedoms], part.rate_sd_rad_s.powi(-2))
                 } else {
-                    (off, CALM * problem.information.0)
+                    (off, REGULARISER * problem.information.0)
                 };
                 let row = node * width + at;
                 system.cost += 0.5 * weight * off * off;
@@ -212,20 +213,25 @@ impl<'a> TreeProgram<'a> {
                     self.pull(acted_s - mark_s, &by, sd_s.powi(-2), system);
                 }
                 None => {
-                    let off_s = time_s - self.calm.event_times_s[index];
-                    self.pull(off_s, &[(row, 1.0)], CALM * problem.information.0, system);
+                    let off_s = time_s - self.anchor.event_times_s[index];
+                    self.pull(
+                        off_s,
+                        &[(row, 1.0)],
+                        REGULARISER * problem.information.0,
+                        system,
+                    );
                 }
             }
         }
-        self.calm_tempo(part, point, system);
+        self.hold_tempo(part, point, system);
         let values = point.parameters.iter().zip(&problem.parameters);
         for (index, (value, free)) in values.enumerate() {
             let by = [(problem.unknown_of_parameter(index), 1.0)];
             let (off, weight) = match free.prior_sd {
                 Some(sd) => (value - free.initial, sd.powi(-2)),
                 None => {
-                    let weight = CALM * problem.information.0 * free.length().powi(-2);
-                    (value - self.calm.parameters[index], weight)
+                    let weight = REGULARISER * problem.information.0 * free.length().powi(-2);
+                    (value - self.anchor.parameters[index], weight)
                 }
             };
             self.pull(off, &by, weight, system);
@@ -233,7 +239,7 @@ impl<'a> TreeProgram<'a> {
     }
 
     /// What holds an unknown tempo: it changes little from piece to piece.
-    fn calm_tempo(&self, part: &Part, point: &TreePoint, system: &mut System) {
+    fn hold_tempo(&self, part: &Part, point: &TreePoint, system: &mut System) {
         let problem = self.problem;
         let Some(tempo) = &problem.tempo else {
             return;
@@ -249,8 +255,8 @@ impl<'a> TreeProgram<'a> {
         let (off, weight) = match part.log_pace_sd {
             Some(sd) => (paces[0] - tempo.guess.ln(), sd.powi(-2)),
             None => (
-                paces[0] - self.calm.log_paces[0],
-                CALM * problem.information.0,
+                paces[0] - self.anchor.log_paces[0],
+                REGULARISER * problem.information.0,
             ),
         };
         self.pull(off, &first, weight, system);
@@ -333,14 +339,14 @@ impl Program for TreeProgram<'_> {
         let kept = kept.unwrap_or_else(|| {
             let pace = problem.tempo.as_ref().map_or(1.0, |of| of.guess);
             let coarse = problem.coarse(CURVATURE_S / pace);
-            let coarse = TreeProgram::new(&coarse, self.calm.clone());
+            let coarse = TreeProgram::new(&coarse, self.anchor.clone());
             let whole = Part::whole();
             match problem.nodes_s.len() {
                 1 => {
                     let free = self.free_directions(system);
-                    Lacking::along(&coarse, &whole, &free, point, multipliers)
+                    HessianRemainder::along(&coarse, &whole, &free, point, multipliers)
                 }
-                _ => Lacking::on_legs(&coarse, &whole, problem, point, multipliers),
+                _ => HessianRemainder::on_intervals(&coarse, &whole, problem, point, multipliers),
             }
         });
         told.insert(kept)

@@ -1,11 +1,11 @@
 //! One of several problems that differ in what touches at their events: solved as far as it may be the best of them.
 
-use super::grow::Grown;
+use super::continuation::Continued;
+use super::modes::walked;
 use super::optimum::{Solved, finished};
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
-use super::solve::{GROWTHS, in_one, likeliest, swept};
-use super::valley::walked;
+use super::solve::{CONTINUATIONS, in_one, likeliest, swept};
 use crate::math::random::Random;
 use crate::motion::Observer;
 use crate::optimise::{Program, Schedule, Work};
@@ -20,7 +20,7 @@ const NEARLY: f64 = 1e-3;
 const NEAR: f64 = 1.5;
 
 /// Where the solution of such a problem led.
-pub enum Led {
+pub enum RivalOutcome {
     /// To an optimum.
     Solved(Box<Solved>),
     /// To what costs much more than the best.
@@ -37,12 +37,18 @@ pub fn rival(
     starts: &[(f64, TreeState)],
     best: Option<&Solved>,
     observer: &mut dyn Observer,
-) -> Led {
+) -> RivalOutcome {
     let mut work = Work::default();
     let times = |share: f64| best.map_or(f64::INFINITY, |best| share * best.cost());
     let random = &mut Random::default();
     let mut ways = likeliest(
-        problem, starts, GROWTHS[0], random, &mut None, &mut work, observer,
+        problem,
+        starts,
+        CONTINUATIONS[0],
+        random,
+        &mut None,
+        &mut work,
+        observer,
     );
     let (mut is_worse, mut is_lost) = (false, false);
     let mut warm = best;
@@ -71,22 +77,22 @@ pub fn rival(
         if solved.cost() <= times(NEAR) {
             solved = walked(solved, &mut work, observer);
         }
-        return Led::Solved(Box::new(solved));
+        return RivalOutcome::Solved(Box::new(solved));
     }
     match is_worse && !is_lost && !observer.should_stop() {
-        true => Led::Worse,
-        false => Led::Lost,
+        true => RivalOutcome::Worse,
+        false => RivalOutcome::Lost,
     }
 }
 
 /// The motion of another problem, with what touches in this one.
-fn moved(problem: &TreeProblem, from: &Solved) -> Grown {
+fn moved(problem: &TreeProblem, from: &Solved) -> Continued {
     let mut again = from.problem.clone();
     for (event, other) in again.events.iter_mut().zip(&problem.events) {
         event.touch.clone_from(&other.touch);
     }
     again.goals.clone_from(&problem.goals);
-    Grown {
+    Continued {
         problem: again,
         point: from.solution.point.clone(),
         is_lost: false,

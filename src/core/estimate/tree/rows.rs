@@ -1,4 +1,4 @@
-//! Rows of goals of trees, of its events, and of how a leg of their motion joins the next.
+//! Rows of goals of trees, of its events, and of how an interval of their motion joins the next.
 
 use nalgebra::{DMatrix, Matrix3xX, Vector3};
 
@@ -22,7 +22,7 @@ impl TreeGoal {
     }
 }
 
-/// A goal's row, `by` the unknowns of the leg.
+/// A goal's row, `by` the unknowns of the interval.
 pub(super) fn put(
     goal: &TreeGoal,
     row: usize,
@@ -128,7 +128,7 @@ pub(super) fn order(
     }
 }
 
-/// `x(t) ⊟ x_next`, with its derivatives by the leg's unknowns and by the next node.
+/// `x(t) ⊟ x_next`, with its derivatives by the interval's unknowns and by the next node.
 pub(super) fn join(
     problem: &TreeProblem,
     reached: &TreeState,

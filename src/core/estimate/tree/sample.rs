@@ -28,7 +28,7 @@ pub struct TreeSample {
     pub unit: f64,
 }
 
-/// A sample with its residual, in units, and the derivative by the unknowns of its leg.
+/// A sample with its residual, in units, and the derivative by the unknowns of its interval.
 pub(super) struct Residual<'s> {
     pub(super) sample: &'s TreeSample,
     pub(super) value: Vector3<f64>,

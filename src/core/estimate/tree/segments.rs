@@ -1,4 +1,4 @@
-//! Where the motion is cut into legs, and how far it is followed at a time: by how errors grow along it.
+//! Where the motion is cut into intervals, and how far it is followed at a time: by how errors grow along it.
 //!
 //! With `Φ` the flow's derivative and `S` typical changes of coordinates and rates, an error has grown by
 //!
@@ -6,26 +6,26 @@
 //! γ = ‖S⁻¹ Φ S‖ / ‖1‖      (Frobenius)
 //! ```
 //!
-//! Unknown states at nodes keep it small on each leg (multiple shooting: Bock and Plitt, IFAC World Congress, 1984). A
+//! Unknown states at nodes keep it small on each interval (multiple shooting: Bock and Plitt, IFAC World Congress, 1984). A
 //! motion of which errors grow less needs the one at its beginning alone.
 
 use nalgebra::DMatrix;
 
-use super::course::Course;
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::LENGTHS;
 use super::time_line::TimeLine;
+use super::trajectory::Trajectory;
 use crate::physics::tree::TreeState;
 
-/// Errors may grow by so much on a leg,
-const ON_A_LEG: f64 = 300.0;
+/// Errors may grow by so much on an interval,
+const ON_AN_INTERVAL: f64 = 300.0;
 /// and by so much on what is added to the part of the sketch that counts.
 const FURTHER: f64 = 30.0;
 /// Samples that are added at least,
 const LEAST_FURTHER: usize = 4;
-/// and that a leg has: where errors grow faster a joint whirls, which no node mends.
-const LEAST_ON_A_LEG: usize = 12;
+/// and that an interval has: where errors grow faster a joint whirls, which no node mends.
+const LEAST_ON_AN_INTERVAL: usize = 12;
 
 impl TreeProblem {
     /// The last sample's stamp, not after `to_s`, to which the motion is followed from `from_s` before errors grow too
@@ -41,7 +41,7 @@ impl TreeProblem {
         let mut errors = GrowingErrors::new(self, line, point, &state, line.time_s(from_s));
         let too_far = times_s
             .iter()
-            .position(|time_s| errors.grown(line.time_s(*time_s)) > FURTHER);
+            .position(|time_s| errors.continued(line.time_s(*time_s)) > FURTHER);
         let count = too_far.unwrap_or(times_s.len()) as f64 * share;
         match times_s.get((count as usize).max(LEAST_FURTHER)) {
             Some(until_s) => *until_s,
@@ -49,7 +49,7 @@ impl TreeProblem {
         }
     }
 
-    /// The problem and its point with further nodes, so that errors do not grow too much on any leg until a time \[s\].
+    /// The problem and its point with further nodes, so that errors do not grow too much on any interval until a time \[s\].
     pub(super) fn cut(mut self, mut point: TreePoint, until_s: f64) -> (Self, TreePoint) {
         while let Some((node_s, state)) = self.next_node(&point, until_s) {
             self.nodes_s.push(node_s);
@@ -75,7 +75,7 @@ impl TreeProblem {
         (self, point)
     }
 
-    /// Where the last leg has to end, and the state there.
+    /// Where the last interval has to end, and the state there.
     fn next_node(&self, point: &TreePoint, until_s: f64) -> Option<(f64, TreeState)> {
         let (from_s, from) = (*self.nodes_s.last()?, point.nodes.last()?);
         let after = |time_s: &f64| *time_s > from_s && *time_s <= until_s;
@@ -84,8 +84,9 @@ impl TreeProblem {
         let mut errors = GrowingErrors::new(self, line, point, from, line.time_s(from_s));
         let at = times_s
             .iter()
-            .position(|time_s| errors.grown(line.time_s(*time_s)) > ON_A_LEG)?;
-        (at >= LEAST_ON_A_LEG).then(|| (times_s[at - 1], self.state_at(point, times_s[at - 1])))
+            .position(|time_s| errors.continued(line.time_s(*time_s)) > ON_AN_INTERVAL)?;
+        (at >= LEAST_ON_AN_INTERVAL)
+            .then(|| (times_s[at - 1], self.state_at(point, times_s[at - 1])))
     }
 
     /// By how much errors grow from the first node to the end.
@@ -93,7 +94,7 @@ impl TreeProblem {
         let line = &point.time_line(self);
         let [from_s, to_s] = line.physical_span_s();
         let mut errors = GrowingErrors::new(self, line, point, &point.nodes[0], from_s);
-        errors.grown(to_s)
+        errors.continued(to_s)
     }
 
     /// Stamps of samples \[s\], each once.
@@ -108,9 +109,9 @@ impl TreeProblem {
         let node = self.node_of(time_s);
         let line = &point.time_line(self);
         let [from_s, to_s] = [self.nodes_s[node], time_s].map(|of| line.time_s(of));
-        let mut course = Course::plain(self, line, &point.nodes[node], from_s);
-        self.follow(point, from_s, to_s, &mut course);
-        course.state()
+        let mut trajectory = Trajectory::plain(self, line, &point.nodes[node], from_s);
+        self.follow(point, from_s, to_s, &mut trajectory);
+        trajectory.state()
     }
 }
 
@@ -118,7 +119,7 @@ impl TreeProblem {
 struct GrowingErrors<'p> {
     problem: &'p TreeProblem,
     point: &'p TreePoint,
-    course: Course<'p>,
+    trajectory: Trajectory<'p>,
     now_s: f64,
 }
 
@@ -133,17 +134,17 @@ impl<'p> GrowingErrors<'p> {
         Self {
             problem,
             point,
-            course: Course::of_state(problem, line, state, from_s),
+            trajectory: Trajectory::of_state(problem, line, state, from_s),
             now_s: from_s,
         }
     }
 
     /// By how much they have grown at a later physical time \[s\]; no number where the motion is none.
-    fn grown(&mut self, time_s: f64) -> f64 {
+    fn continued(&mut self, time_s: f64) -> f64 {
         self.problem
-            .follow(self.point, self.now_s, time_s, &mut self.course);
+            .follow(self.point, self.now_s, time_s, &mut self.trajectory);
         self.now_s = time_s;
-        let jacobian = self.course.jacobian();
+        let jacobian = self.trajectory.jacobian();
         let freedoms = self.problem.forest.freedoms();
         let length = |at: usize| LENGTHS[usize::from(at >= freedoms)];
         let scaled = DMatrix::from_fn(jacobian.nrows(), jacobian.ncols(), |row, column| {

@@ -4,12 +4,14 @@
 #[cfg(test)]
 mod tests;
 
-use super::grow::{Grown, Growth, KICK_RAD_S, Legs, grown, growth};
+use super::continuation::{
+    Continuation, Continued, Intervals, KICK_RAD_S, continuation, continued,
+};
+use super::modes::walked;
 use super::optimum::{Solved, approached, finished};
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
-use super::valley::walked;
 use super::walk::ROUGHLY;
 use crate::math::random::Random;
 use crate::motion::{Observer, Phase};
@@ -19,18 +21,18 @@ use crate::optimise::{Program, Schedule, System, Work};
 use crate::physics::tree::TreeState;
 
 /// How the part that counts grows: as a rule, and where that leads to no optimum.
-pub(super) const GROWTHS: [Growth; 7] = [
-    growth(1.5, Legs::One, KICK_RAD_S),
-    growth(1.25, Legs::One, KICK_RAD_S),
-    growth(1.5, Legs::One, 2.0),
-    growth(1.5, Legs::One, 2.0),
-    growth(1.5, Legs::One, 3.0),
-    growth(1.5, Legs::One, 3.0),
-    growth(1.5, Legs::Found, KICK_RAD_S),
+pub(super) const CONTINUATIONS: [Continuation; 7] = [
+    continuation(1.5, Intervals::One, KICK_RAD_S),
+    continuation(1.25, Intervals::One, KICK_RAD_S),
+    continuation(1.5, Intervals::One, 2.0),
+    continuation(1.5, Intervals::One, 2.0),
+    continuation(1.5, Intervals::One, 3.0),
+    continuation(1.5, Intervals::One, 3.0),
+    continuation(1.5, Intervals::Found, KICK_RAD_S),
 ];
 /// Weights of the sweep that brings goals in, steps at each, and what must be gained for another.
 const SWEEP: ([f64; 4], usize, f64) = ([0.1, 1.0, 10.0, 100.0], 8, 1.0);
-/// By which share the objective may be greater on one leg than on several.
+/// By which share the objective may be greater on one interval than on several.
 const IN_ONE: f64 = 1e-6;
 /// Costs of two paces are the same that differ by no larger share.
 const SAME: f64 = 0.01;
@@ -43,7 +45,7 @@ const LIKELIEST: usize = 2;
 
 /// Solves a problem from first guesses of the pace in which it is acted, each with the state at the start: one where
 /// stamps are physical times. What is near all samples from the start is finished at once. The likeliest paces are gone on with. Where growing by half leads to no optimum, or in an unknown
-/// tempo to one that is far from the samples, slower growth is tried, then growing from other rates at random, then with further
+/// tempo to one that is far from the samples, slower continuation is tried, then growing from other rates at random, then with further
 /// nodes, and at last multiplier rounds from where the first ones led.
 pub fn solve(
     problem: &TreeProblem,
@@ -63,18 +65,18 @@ pub fn solve(
     }
     let mut far: Option<Solved> = None;
     let mut lost = None;
-    // Of a tempo and of parameters, which all legs share, one leg alone is tried. An unknown tempo has several starts as it is.
+    // Of a tempo and of parameters, which all intervals share, one interval alone is tried. An unknown tempo has several starts as it is.
     let is_alone = problem.tempo.is_some() || !problem.parameters.is_empty();
-    let is_kicked = |of: &Growth| of.kick_rad_s > KICK_RAD_S;
-    let is_tried = |of: &&Growth| {
-        !(is_alone && of.legs == Legs::Found || problem.tempo.is_some() && is_kicked(of))
+    let is_kicked = |of: &Continuation| of.kick_rad_s > KICK_RAD_S;
+    let is_tried = |of: &&Continuation| {
+        !(is_alone && of.intervals == Intervals::Found || problem.tempo.is_some() && is_kicked(of))
     };
     let mut random = Random::default();
-    for growth in GROWTHS.iter().filter(is_tried) {
+    for continuation in CONTINUATIONS.iter().filter(is_tried) {
         let ways = likeliest(
             problem,
             starts,
-            *growth,
+            *continuation,
             &mut random,
             &mut lost,
             &mut work,
@@ -120,9 +122,9 @@ pub fn solve(
 pub(super) fn likeliest(
     problem: &TreeProblem,
     starts: &[(f64, TreeState)],
-    growth: Growth,
+    continuation: Continuation,
     random: &mut Random,
-    lost: &mut Option<Grown>,
+    lost: &mut Option<Continued>,
     work: &mut Work,
     observer: &mut dyn Observer,
 ) -> Vec<(TreeProblem, TreePoint)> {
@@ -133,12 +135,19 @@ pub(super) fn likeliest(
             tempo.guess = *pace;
         }
         observer.phase(Phase::ArcFits);
-        let led = grown(&paced, start.clone(), growth, &mut *random, work, observer);
+        let led = continued(
+            &paced,
+            start.clone(),
+            continuation,
+            &mut *random,
+            work,
+            observer,
+        );
         if led.is_lost && problem.tempo.is_none() {
             lost.get_or_insert(led);
             continue;
         }
-        if growth.legs == Legs::Found && led.problem.nodes_s.len() == 1 {
+        if continuation.intervals == Intervals::Found && led.problem.nodes_s.len() == 1 {
             // It has grown as it did without.
             continue;
         }
@@ -170,7 +179,7 @@ fn begun_near(
     problem: &TreeProblem,
     starts: &[(f64, TreeState)],
     work: &mut Work,
-) -> Option<Grown> {
+) -> Option<Continued> {
     let mut problem = problem.clone();
     let [(_, start)] = starts else { return None };
     let point = TreePoint::new(&problem, vec![start.clone()]);
@@ -180,7 +189,7 @@ fn begun_near(
     program.try_out(&Part::whole(), &point, &mut system);
     work.evaluations += 1;
     let is_near = system.cost <= NEAR_EACH * problem.samples.len() as f64;
-    is_near.then_some(Grown {
+    is_near.then_some(Continued {
         problem,
         point,
         is_lost: false,
@@ -188,7 +197,7 @@ fn begun_near(
 }
 
 /// The same optimum on the state at the start alone, of which the whole motion is one flow; where errors grow too much
-/// for that, as it was on several legs.
+/// for that, as it was on several intervals.
 pub(super) fn in_one(mut solved: Solved, work: &mut Work, observer: &mut dyn Observer) -> Solved {
     let (problem, solution) = (&solved.problem, &solved.solution);
     if problem.nodes_s.len() == 1 || solution.stopped {
@@ -213,13 +222,13 @@ pub(super) fn in_one(mut solved: Solved, work: &mut Work, observer: &mut dyn Obs
 /// Brings the goals in, and comes near the optimum by steps in a trust region: along a weak direction, as the
 /// spin of a whole chain, the valley is curved. Steps are exact from there on.
 pub(super) fn swept(
-    grown: Grown,
+    continued: Continued,
     work: &mut Work,
     observer: &mut dyn Observer,
 ) -> (TreeProblem, TreePoint) {
-    let Grown {
+    let Continued {
         mut problem, point, ..
-    } = grown;
+    } = continued;
     observer.phase(Phase::Sweep);
     let program = &TreeProgram::new(&problem, point.clone());
     let (least, most) = program.information();

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 use typed_index_collections::TiVec;
 
-use super::curvature::Lacking;
+use super::curvature::HessianRemainder;
 use super::point::TreePoint;
 use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
@@ -434,7 +434,7 @@ position_mm = [100, 200, 300]
     }
 }
 
-/// A motion of which errors grow too much is cut into legs that lie on it; a calm one is not.
+/// A motion of which errors grow too much is cut into intervals that lie on it; a calm one is not.
 #[test]
 fn a_motion_is_cut_where_errors_grow() {
     let scene = scene();
@@ -467,7 +467,7 @@ fn a_motion_is_cut_where_errors_grow() {
     }
 }
 
-/// What the Hessian lacks, told of all legs at once, is what is told along every unknown by itself.
+/// What the Hessian lacks, told of all intervals at once, is what is told along every unknown by itself.
 #[test]
 fn curvature_of_legs_is_that_along_all_unknowns() {
     let scene = scene();
@@ -481,25 +481,29 @@ fn curvature_of_legs_is_that_along_all_unknowns() {
     let multipliers: Vec<f64> = (0..rows).map(|row| (row as f64).sin()).collect();
     let size = problem.unknown_count();
     let whole = Part::whole();
-    let all = Lacking::along(
+    let all = HessianRemainder::along(
         &program,
         &whole,
         &DMatrix::identity(size, size),
         &point,
         &multipliers,
     );
-    let legs = Lacking::on_legs(&program, &whole, &problem, &point, &multipliers);
+    let intervals =
+        HessianRemainder::on_intervals(&program, &whole, &problem, &point, &multipliers);
     let width = problem.width();
     let largest = all.matrix().amax();
     for (row, column) in (0..size).flat_map(|row| (0..size).map(move |column| (row, column))) {
-        let (all, legs) = (all.matrix()[(row, column)], legs.matrix()[(row, column)]);
+        let (all, intervals) = (
+            all.matrix()[(row, column)],
+            intervals.matrix()[(row, column)],
+        );
         if row / width == column / width {
             assert!(
-                (all - legs).abs() < 1e-3 * largest,
-                "{row} {column}: {all} {legs}"
+                (all - intervals).abs() < 1e-3 * largest,
+                "{row} {column}: {all} {intervals}"
             );
         } else {
-            assert_eq!(legs, 0.0);
+            assert_eq!(intervals, 0.0);
         }
     }
     assert!(largest > 1.0);

@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::course::{Course, Stop};
 use super::point::TreePoint;
 use super::problem::TreeProblem;
+use super::trajectory::{Stop, Trajectory};
 use crate::motion::TreeKnot;
 use crate::physics::tree::{ForestSnapshot, TreeState};
 
@@ -30,8 +30,8 @@ impl TreeProblem {
         let mut knots = Vec::new();
         let line = &point.time_line(self);
         for (node, state) in point.nodes.iter().enumerate() {
-            let [from_s, to_s] = self.leg_s(node).map(|end_s| line.time_s(end_s));
-            let mut course = Course::plain(self, line, state, from_s);
+            let [from_s, to_s] = self.interval_s(node).map(|end_s| line.time_s(end_s));
+            let mut trajectory = Trajectory::plain(self, line, state, from_s);
             let mut knot = |time_s: f64, state: TreeState| knots.push(TreeKnot { time_s, state });
             knot(from_s, state.clone());
             let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.acted_s).collect();
@@ -51,34 +51,40 @@ impl TreeProblem {
             for time_s in times_s.into_iter().filter(|time_s| *time_s > from_s) {
                 while let Some(event) = events.next_if(|of| point.event_times_s[*of] <= time_s) {
                     let event_s = point.event_times_s[event];
-                    course.advance(Stop::known(event_s));
-                    knot(event_s, course.state());
-                    if self.pass(event, point, &mut course) {
-                        knot(event_s, course.state());
+                    trajectory.advance(Stop::known(event_s));
+                    knot(event_s, trajectory.state());
+                    if self.pass(event, point, &mut trajectory) {
+                        knot(event_s, trajectory.state());
                     }
                 }
-                course.advance(Stop::known(time_s));
-                knot(time_s, course.state());
+                trajectory.advance(Stop::known(time_s));
+                knot(time_s, trajectory.state());
             }
         }
         knots
     }
 
     /// Goes on from a physical time to a later one \[s\], through the events after that and until this.
-    pub(super) fn follow(&self, point: &TreePoint, from_s: f64, to_s: f64, course: &mut Course) {
+    pub(super) fn follow(
+        &self,
+        point: &TreePoint,
+        from_s: f64,
+        to_s: f64,
+        trajectory: &mut Trajectory,
+    ) {
         for (event, event_s) in point.event_times_s.iter().enumerate() {
             if *event_s > from_s && *event_s <= to_s {
-                course.advance(Stop::known(*event_s));
-                self.pass(event, point, course);
+                trajectory.advance(Stop::known(*event_s));
+                self.pass(event, point, trajectory);
             }
         }
-        course.advance(Stop::known(to_s));
+        trajectory.advance(Stop::known(to_s));
     }
 
     /// Goes through an event; whether the rates jump there.
-    fn pass(&self, event: usize, point: &TreePoint, course: &mut Course) -> bool {
+    fn pass(&self, event: usize, point: &TreePoint, trajectory: &mut Trajectory) -> bool {
         let touch = self.events[event].touch_at(point);
-        touch.is_some_and(|touch| course.bounce(&touch).is_ok())
+        touch.is_some_and(|touch| trajectory.bounce(&touch).is_ok())
     }
 
     /// Step of the integrator for the whole motion, whose half leads every link to the same place within [`EXACT_M`]; at most
@@ -134,14 +140,14 @@ impl TreeProblem {
         let line = &point.time_line(self);
         let [begin_s, last_s] = line.physical_span_s();
         let most_s = most_s.min(self.forest.smooth_s(begin_s));
-        let mut course = Course::plain(self, line, &point.nodes[0], begin_s);
+        let mut trajectory = Trajectory::plain(self, line, &point.nodes[0], begin_s);
         let mut events = (0..self.events.len()).peekable();
         let mut fastest_rad_s: f64 = 0.0;
         let mut now_s = begin_s;
         let end_s = line.time_s(until_s).min(last_s);
         let step_s = |fastest_rad_s: f64| most_s.min(turn_rad / fastest_rad_s.max(1e-9));
         loop {
-            let rates = course.state().rates;
+            let rates = trajectory.state().rates;
             let turning = rates.iter().enumerate();
             let turning = turning.filter(|(at, _)| !self.forest.is_translation(*at));
             let here = turning.fold(0.0, |most: f64, (_, rate)| most.max(rate.abs()));
@@ -151,10 +157,10 @@ impl TreeProblem {
             }
             now_s += step_s(fastest_rad_s).min(end_s - now_s);
             while let Some(event) = events.next_if(|of| point.event_times_s[*of] <= now_s) {
-                course.step(point.event_times_s[event]);
-                self.pass(event, point, &mut course);
+                trajectory.step(point.event_times_s[event]);
+                self.pass(event, point, &mut trajectory);
             }
-            course.step(now_s);
+            trajectory.step(now_s);
         }
         // As many as fit.
         let span_s = last_s - begin_s;

@@ -8,7 +8,7 @@
 //! optimum, or not tried, is a rival that is not ruled out, and the estimate says so.
 
 use super::rivals::Standings;
-use super::tried::{Came, Tried, TriedField};
+use super::tried::{AttemptOutcome, Tried, TriedField};
 use crate::estimate::tree::{Before, TreeProblem};
 use crate::initialise::{self, contact};
 use crate::motion::{Contacts, Counters, LinkIndex, Observer, Phase, Scene, Sketch};
@@ -163,7 +163,7 @@ pub(super) fn infer(
     let likeliest = || scene_of(&choices[0].1);
     let is_clear = choices.get(1).is_none_or(|(unlikely, _)| *unlikely > CLEAR);
     let first = match is_clear {
-        true => Came::Tried(Box::new(field.named(likeliest(), observer))),
+        true => AttemptOutcome::Tried(Box::new(field.named(likeliest(), observer))),
         false => field.rival(likeliest(), None, observer),
     };
     let is_near = |of: &Tried| of.cost_each() <= FAR * ranked.cost_each.max(LEAST_EACH);
@@ -172,16 +172,19 @@ pub(super) fn infer(
     if !standings.motion().is_some_and(is_answer) {
         for (index, (_, choice)) in choices.iter().enumerate().skip(1) {
             observer.phase(Phase::Sequence);
-            let came = match index >= SOLVED_MOST || observer.should_stop() {
-                true => Came::Left,
+            let outcome = match index >= SOLVED_MOST || observer.should_stop() {
+                true => AttemptOutcome::Left,
                 false => field.rival(scene_of(choice), standings.motion(), observer),
             };
-            standings.add(ranked.contacts(choice), came);
+            standings.add(ranked.contacts(choice), outcome);
         }
     }
     if standings.motion().is_none() {
         let named = field.named(likeliest(), observer);
-        standings.add(ranked.contacts(&choices[0].1), Came::Tried(Box::new(named)));
+        standings.add(
+            ranked.contacts(&choices[0].1),
+            AttemptOutcome::Tried(Box::new(named)),
+        );
     }
     let solves = standings.count();
     let mut best = standings.best(field, observer);

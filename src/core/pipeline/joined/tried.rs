@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use crate::estimate::tree::{self, Led, Solved, Told, TreeProblem};
+use crate::estimate::tree::{self, Detail, RivalOutcome, Solved, TreeProblem};
 use crate::initialise;
 use crate::motion::{About, End, Estimate, Observer, Scene, Sketch, Verdict, Verification};
 use crate::physics::tree::TreeState;
@@ -30,11 +30,11 @@ pub(super) struct Tried {
     pub(super) solved: Solved,
     /// How likely its samples are, once somebody asks.
     evidence: OnceCell<Option<f64>>,
-    told: Told,
+    detail: Detail,
 }
 
 /// What came of a choice.
-pub(super) enum Came {
+pub(super) enum AttemptOutcome {
     /// A motion, which may be no optimum, or one that is not sound.
     Tried(Box<Tried>),
     /// What is farther from the performance than the best, beyond what its errors let tell.
@@ -50,7 +50,7 @@ impl TriedField<'_> {
     pub(super) fn named(&self, scene: Scene, observer: &mut dyn Observer) -> Tried {
         let (problem, starts) = self.problem(&scene);
         let solved = tree::solved(&problem, &starts, observer);
-        self.checked(scene, solved, Told::Whole, observer)
+        self.checked(scene, solved, Detail::Whole, observer)
     }
 
     /// What comes of such a scene where another motion is the best so far.
@@ -59,36 +59,36 @@ impl TriedField<'_> {
         scene: Scene,
         best: Option<&Tried>,
         observer: &mut dyn Observer,
-    ) -> Came {
+    ) -> AttemptOutcome {
         let (problem, starts) = self.problem(&scene);
         let of_best = best.map(|best| &best.solved);
         let solved = match tree::rival(&problem, &starts, of_best, observer) {
-            Led::Solved(solved) => *solved,
-            Led::Worse => return Came::Worse,
-            Led::Lost => return Came::Lost,
+            RivalOutcome::Solved(solved) => *solved,
+            RivalOutcome::Worse => return AttemptOutcome::Worse,
+            RivalOutcome::Lost => return AttemptOutcome::Lost,
         };
         let best = best.filter(|best| best.is_sound());
         if best.is_some_and(|best| best.beats(&solved, || tree::evidence(&solved))) {
-            return Came::Worse;
+            return AttemptOutcome::Worse;
         }
-        Came::Tried(Box::new(self.checked(
+        AttemptOutcome::Tried(Box::new(self.checked(
             scene,
             solved,
-            Told::Motion,
+            Detail::Motion,
             observer,
         )))
     }
 
     /// The same motion, with how certain it is and how well it fits.
     pub(super) fn told(&self, tried: Tried, observer: &mut dyn Observer) -> Tried {
-        if tried.told == Told::Whole {
+        if tried.detail == Detail::Whole {
             return tried;
         }
         let mut estimate = tree::estimate(
             &tried.scene,
             self.sketch,
             &tried.solved,
-            Told::Whole,
+            Detail::Whole,
             observer,
         );
         estimate.doubt(tried.estimate.doubts);
@@ -108,10 +108,10 @@ impl TriedField<'_> {
         &self,
         scene: Scene,
         solved: Solved,
-        told: Told,
+        detail: Detail,
         observer: &mut dyn Observer,
     ) -> Tried {
-        let mut estimate = tree::estimate(&scene, self.sketch, &solved, told, observer);
+        let mut estimate = tree::estimate(&scene, self.sketch, &solved, detail, observer);
         let found = verify::joined::check_until(
             &scene,
             self.sketch,
@@ -135,7 +135,7 @@ impl TriedField<'_> {
             verification,
             solved,
             evidence: OnceCell::new(),
-            told,
+            detail,
         }
     }
 }

@@ -7,11 +7,11 @@
 
 use nalgebra::{Cholesky, DVector, Dyn};
 
-use super::errors::{Left, calm};
+use super::errors::{Left, regularise};
 use super::linearised::Linearised;
 
 /// Greatest share of what is known of a sum of unknowns that is from it, or nothing tells that.
-const CALM_MOST: f64 = 0.1;
+const REGULARISER_MOST: f64 = 0.1;
 
 /// Deviations at an optimum.
 pub(in crate::estimate::tree) struct Certainty<'s> {
@@ -28,7 +28,7 @@ impl<'s> Certainty<'s> {
             .errors
             .left(&of.held.free, &[][..], &of.linear.residuals, information);
         let mut square = of.held.free.tr_mul(&of.held.free);
-        calm(&mut square, information);
+        regularise(&mut square, information);
         let factor = square.cholesky()?;
         (!left.is_empty()).then_some(Self { of, left, factor })
     }
@@ -44,7 +44,7 @@ impl<'s> Certainty<'s> {
         let response = &self.of.held.free * &answer;
         let (own, seen) = (free.dot(&answer), response.norm_squared());
         // Written so that what is no number is not told.
-        if !(own - seen <= CALM_MOST * own) {
+        if !(own - seen <= REGULARISER_MOST * own) {
             return None;
         }
         Some(

@@ -16,7 +16,7 @@ use super::linear::{self, Linear, Series};
 use crate::estimate::adequacy::hand::{self, EXPONENTS};
 use crate::estimate::covariance::bins::{Bin, Bins, Residuals};
 use crate::estimate::covariance::noise;
-use crate::estimate::tree::program::CALM;
+use crate::estimate::tree::program::REGULARISER;
 
 /// Greatest number of bins of a series, and of all.
 const BINS: [usize; 2] = [32, 64];
@@ -158,7 +158,7 @@ impl TreeErrors {
         all.set_column(free.ncols() + columns.len(), residuals);
         let scale = {
             let mut square = free.tr_mul(free);
-            calm(&mut square, information);
+            regularise(&mut square, information);
             square.cholesky().map_or(0.0, |of| of.ln_determinant())
         };
         let binned: Vec<[DMatrix<f64>; 3]> = self.binned.iter().map(|of| of.means(&all)).collect();
@@ -177,7 +177,7 @@ impl TreeErrors {
             }
             let others = gram.ncols() - count;
             let mut followed = gram.view((0, 0), (count, count)).into_owned();
-            calm(&mut followed, information);
+            regularise(&mut followed, information);
             let across = gram.view((0, count), (count, others)).into_owned();
             let followed = followed.cholesky()?;
             let kept = gram.view((count, count), (others, others))
@@ -244,9 +244,9 @@ impl TreeErrors {
 }
 
 /// Holds what nothing tells.
-pub(super) fn calm(matrix: &mut DMatrix<f64>, information: f64) {
+pub(super) fn regularise(matrix: &mut DMatrix<f64>, information: f64) {
     for at in 0..matrix.nrows() {
-        matrix[(at, at)] += CALM * information;
+        matrix[(at, at)] += REGULARISER * information;
     }
 }
 

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::{RATE_SD_RAD_S, TreeProblem};
-use crate::estimate::tree::program::{CALM, Part, TreeProgram};
+use crate::estimate::tree::program::{Part, REGULARISER, TreeProgram};
 use crate::estimate::tree::sample::Residual;
 use crate::math::span::Span;
 use crate::motion::{GoalUnit, TrackIndex};
@@ -243,7 +243,7 @@ impl Linear {
         &change.residuals - &self.by * (&held.along_rows * &change.rows)
     }
 
-    /// The step of Gauss and Newton in the unknowns, and in a quantity with this change; `calm` holds what nothing
+    /// The step of Gauss and Newton in the unknowns, and in a quantity with this change; `anchor` holds what nothing
     /// tells. `None` where nothing tells the quantity.
     pub(super) fn step(
         &self,
@@ -259,7 +259,7 @@ impl Linear {
         columns.set_column(free, &total);
         let mut normal = columns.tr_mul(&columns);
         for at in 0..free {
-            normal[(at, at)] += CALM * information;
+            normal[(at, at)] += REGULARISER * information;
         }
         let answer = -normal.cholesky()?.solve(&columns.tr_mul(&residuals));
         let by = answer[free];

@@ -194,8 +194,8 @@ fn changes_by_quantities_are_those_of_extrapolated_differences() {
 fn a_linearised_motion_is_what_the_program_evaluates() {
     let (scene, problem, point, active) = posed();
     let linear = Linear::new(&problem, &point, &active).expect("a motion");
-    let calm = TreeProgram::new(&problem, point.clone());
-    let system = calm.evaluated(&Part::whole(), &point);
+    let anchor = TreeProgram::new(&problem, point.clone());
+    let system = anchor.evaluated(&Part::whole(), &point);
     assert!((linear.merit().0 - system.cost).abs() < 1e-9 * system.cost);
     let held = linear.held();
     let moved = |step: &DVector<f64>| {

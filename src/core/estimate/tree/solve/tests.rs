@@ -1,4 +1,4 @@
-//! What was found on several legs, as one flow.
+//! What was found on several intervals, as one flow.
 
 use nalgebra::Vector3;
 
@@ -11,7 +11,7 @@ use crate::estimate::tree::sample::Residual;
 use crate::motion::{Sample, Seen, Sketch, Stamp, TrackSketch};
 use crate::optimise::{Program, Work};
 
-/// A motion of which errors grow by more than a leg may have, with exact samples of a point of each rod; without goals.
+/// A motion of which errors grow by more than an interval may have, with exact samples of a point of each rod; without goals.
 fn long() -> (TreeProblem, TreePoint) {
     const COUNT: usize = 121;
     let text = include_str!("../../../../../config/chain.toml").replace(
@@ -66,11 +66,11 @@ fn what_is_found_on_legs_is_found_as_one_flow() {
     assert!(cut.nodes_s.len() > 1);
     let mut work = Work::default();
     let at_once = Schedule::default().from_the_last();
-    let legs = finished(&cut, &point, &at_once, &mut work, &mut ());
-    assert!(legs.solution.finished.converged);
-    assert_eq!(legs.problem.nodes_s, cut.nodes_s);
-    let cost = legs.cost();
-    let one = in_one(legs, &mut work, &mut ());
+    let intervals = finished(&cut, &point, &at_once, &mut work, &mut ());
+    assert!(intervals.solution.finished.converged);
+    assert_eq!(intervals.problem.nodes_s, cut.nodes_s);
+    let cost = intervals.cost();
+    let one = in_one(intervals, &mut work, &mut ());
     assert!(one.solution.finished.converged);
     assert_eq!(
         (one.problem.nodes_s.len(), one.solution.point.nodes.len()),

@@ -30,25 +30,25 @@ pub(super) const KICK_RAD_S: f64 = 0.1;
 /// A motion is lost where each of its samples costs so many times what one did of the best part with so many samples,
 /// but at least so much.
 const LOST: (f64, usize, f64) = (30.0, 24, 0.1);
-/// Errors that grow by more along one leg lead to no optimum of it.
+/// Errors that grow by more along one interval lead to no optimum of it.
 const WHIRL: f64 = 1e4;
 /// Share of a further part that is tried where the whole leads to a lost motion, and how often.
 const LESS: (f64, usize) = (0.5, 3);
 
 /// How the part that counts grows.
 #[derive(Clone, Copy)]
-pub(super) struct Growth {
+pub(super) struct Continuation {
     /// By which factor.
     pub(super) by: f64,
-    /// On which legs.
-    pub(super) legs: Legs,
+    /// On which intervals.
+    pub(super) intervals: Intervals,
     /// How much faster each rate is made at random before a part is fitted that ends before any event [rad/s].
     pub(super) kick_rad_s: f64,
 }
 
-/// On which legs the motion is found that grows.
+/// On which intervals the motion is found that grows.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Legs {
+pub(super) enum Intervals {
     /// On one, by all that is added at a time.
     One,
     /// As far as errors let the motion be followed, and with further nodes where they grow too much.
@@ -57,38 +57,38 @@ pub(super) enum Legs {
     Given,
 }
 
-/// How the part that counts grows: by which factor, on which legs, with which kicks \[rad/s\].
-pub(super) const fn growth(by: f64, legs: Legs, kick_rad_s: f64) -> Growth {
-    Growth {
+/// How the part that counts grows: by which factor, on which intervals, with which kicks \[rad/s\].
+pub(super) const fn continuation(by: f64, intervals: Intervals, kick_rad_s: f64) -> Continuation {
+    Continuation {
         by,
-        legs,
+        intervals,
         kick_rad_s,
     }
 }
 
 /// Where growing led.
-pub(super) struct Grown {
+pub(super) struct Continued {
     /// The problem, with the nodes that it needs and steps for a rough flow.
     pub(super) problem: TreeProblem,
     pub(super) point: TreePoint,
-    /// Whether the motion is far from the samples, or errors grow too much along its one leg.
+    /// Whether the motion is far from the samples, or errors grow too much along its one interval.
     pub(super) is_lost: bool,
 }
 
 /// Lets the part that counts grow from a state at the start to the whole.
-pub(super) fn grown(
+pub(super) fn continued(
     problem: &TreeProblem,
     start: TreeState,
-    growth: Growth,
+    continuation: Continuation,
     random: &mut Random,
     work: &mut Work,
     observer: &mut dyn Observer,
-) -> Grown {
+) -> Continued {
     let mut problem = problem.clone();
     let given_s = problem.nodes_s.split_off(1);
-    let is_followed = growth.legs != Legs::One;
+    let is_followed = continuation.intervals != Intervals::One;
     let mut point = TreePoint::new(&problem, vec![start]);
-    let mut parts_s = problem.parts_s(growth.by).into_iter().peekable();
+    let mut parts_s = problem.parts_s(continuation.by).into_iter().peekable();
     let mut reached_s = problem.span_s[0];
     let mut best_each = f64::INFINITY;
     let (mut share, mut is_lost) = (1.0, false);
@@ -102,7 +102,7 @@ pub(super) fn grown(
             &mut further,
             fitted,
             until_s,
-            growth.kick_rad_s,
+            continuation.kick_rad_s,
             &mut *random,
             work,
             &mut *observer,
@@ -122,10 +122,10 @@ pub(super) fn grown(
         if count >= LOST.1 {
             best_each = each.min(best_each);
         }
-        (problem, point) = match growth.legs {
-            Legs::One => (further, fitted),
-            Legs::Found => further.cut(fitted, until_s),
-            Legs::Given => further.cut_at(&given_s, fitted, until_s),
+        (problem, point) = match continuation.intervals {
+            Intervals::One => (further, fitted),
+            Intervals::Found => further.cut(fitted, until_s),
+            Intervals::Given => further.cut_at(&given_s, fitted, until_s),
         };
         if until_s >= part_s {
             parts_s.next();
@@ -136,8 +136,9 @@ pub(super) fn grown(
         }
     }
     problem.step_s = problem.step_for(&point, problem.span_s[1], ROUGHLY);
-    let whirls = growth.legs == Legs::One && !(problem.errors_grown(&point) <= WHIRL);
-    Grown {
+    let whirls =
+        continuation.intervals == Intervals::One && !(problem.errors_grown(&point) <= WHIRL);
+    Continued {
         problem,
         point,
         is_lost: is_lost || whirls,
@@ -191,13 +192,13 @@ impl TreeProblem {
     }
 
     /// Times at which the growing parts end \[s\]: before the goals at the end.
-    fn parts_s(&self, growth: f64) -> Vec<f64> {
+    fn parts_s(&self, continuation: f64) -> Vec<f64> {
         let times_s = self.sample_stamps_s();
         let mut counts = FIRST.to_vec();
         while let Some(last) = counts.last().copied()
             && last < times_s.len()
         {
-            counts.push((last as f64 * growth) as usize);
+            counts.push((last as f64 * continuation) as usize);
         }
         counts.retain(|count| *count < times_s.len());
         counts.push(times_s.len());

@@ -1,4 +1,4 @@
-//! The course of trees from a node on, through events, with its derivatives by the unknowns of the leg.
+//! The trajectory of trees from a node on, through events, with its derivatives by the unknowns of the interval.
 //!
 //! With `Φ` the flow's derivative, and `ẋ` how it goes on, a flow from one event, at `T`, to
 //! another, at `T'`, changes with both: `δx' = Φ δx + ẋ (δT' − δT)`. So it does with the physical times of samples and
@@ -17,7 +17,7 @@ use crate::physics::tree::{
     ForestFlow, ForestSnapshot, TreeImpact, TreeImpactDerivative, TreeState,
 };
 
-/// A time on the way at which the course stops.
+/// A time on the way at which the trajectory stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stop {
     /// The physical time \[s\].
@@ -31,7 +31,7 @@ pub(super) struct Stop {
 pub(super) enum With {
     /// Nothing, or nobody asks for derivatives.
     Nothing,
-    /// It is that of an event: its place among the leg's.
+    /// It is that of an event: its place among the interval's.
     Event(usize),
     /// The tempo: it is acted then \[s\].
     Tempo(f64),
@@ -56,23 +56,23 @@ impl Stop {
 }
 
 /// The motion from a node on.
-pub(super) struct Course<'t> {
+pub(super) struct Trajectory<'t> {
     problem: &'t TreeProblem,
     line: &'t TimeLine<'t>,
     flow: ForestFlow<'t>,
     begun: Stop,
     now: Stop,
     has_derivatives: bool,
-    /// Number of events of the leg, and of unknowns.
+    /// Number of events of the interval, and of unknowns.
     events: usize,
     size: usize,
-    /// Where the flow began: its derivative by the leg's unknowns; none at the node itself.
+    /// Where the flow began: its derivative by the interval's unknowns; none at the node itself.
     by_unknowns: Option<DMatrix<f64>>,
     /// Derivative of the flow since then.
     by_begin: DMatrix<f64>,
 }
 
-impl<'t> Course<'t> {
+impl<'t> Trajectory<'t> {
     /// From a node on, with derivatives where they are asked for.
     pub(super) fn new(
         problem: &'t TreeProblem,
@@ -82,10 +82,10 @@ impl<'t> Course<'t> {
         has_derivatives: bool,
     ) -> Self {
         let width = problem.width();
-        let from = Stop::acted(line, problem.leg_s(node)[0]);
+        let from = Stop::acted(line, problem.interval_s(node)[0]);
         Self {
             events: problem.events_of(node).len(),
-            size: problem.leg_size(node),
+            size: problem.interval_size(node),
             by_begin: DMatrix::zeros(width, width),
             ..Self::begun(problem, line, state, from, has_derivatives)
         }
@@ -168,7 +168,7 @@ impl<'t> Course<'t> {
         self.flow.state()
     }
 
-    /// Its derivative by the leg's unknowns; zeros where none were asked for.
+    /// Its derivative by the interval's unknowns; zeros where none were asked for.
     pub(super) fn jacobian(&mut self) -> DMatrix<f64> {
         if !self.has_derivatives {
             return DMatrix::zeros(self.problem.width(), self.size);
@@ -206,7 +206,7 @@ impl<'t> Course<'t> {
         by_unknowns
     }
 
-    /// Something is hit now: the impact with its derivatives. Fails as [`ForestSnapshot::impact`] does; the course then
+    /// Something is hit now: the impact with its derivatives. Fails as [`ForestSnapshot::impact`] does; the trajectory then
     /// stays as it was.
     pub(super) fn hit(
         &mut self,
@@ -231,7 +231,7 @@ impl<'t> Course<'t> {
         Ok((impact, derivative))
     }
 
-    /// [`Course::hit`] by a law of which nothing is free, where nothing is asked of the impact.
+    /// [`Trajectory::hit`] by a law of which nothing is free, where nothing is asked of the impact.
     pub(super) fn bounce(&mut self, touch: &TreeTouch) -> Result<(), ImpactError> {
         let state = self.flow.state();
         let mut snapshot = ForestSnapshot::new(&self.problem.forest, &self.problem.gravity_m_s2);

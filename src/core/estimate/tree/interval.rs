@@ -1,14 +1,13 @@
-//! One leg of the motion, from a node to the next: residuals of its samples, rows of its goals and events, and
-//! how it joins the next, with all derivatives by the leg's unknowns: the node's tangent, then times of its events, then
+//! One interval of the motion, from a node to the next: residuals of its samples, rows of its goals and events, and
+//! how it joins the next, with all derivatives by the interval's unknowns: the node's tangent, then times of its events, then
 //! the log-paces of an unknown tempo and what of the laws of impacts is unknown.
 //!
-//! With `X = ∂x(t)/∂(x_k, T, λ, p)` of the [course](super::course) from a node, `L = ∂(link)/∂x` of a link's state and
+//! With `X = ∂x(t)/∂(x_k, T, λ, p)` of the [trajectory](super::trajectory) from a node, `L = ∂(link)/∂x` of a link's state and
 //! `y` of a quantity, a row `y(link(x(t)))` has the derivative `y_link L X`. The flow to the next node must end
 //! there: `x(t_{k+1}) ⊟ x_{k+1} = 0`.
 
 use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 
-use super::course::{Course, Stop, With};
 use super::event::TreeEvent;
 use super::goal::TreeGoal;
 use super::point::TreePoint;
@@ -16,6 +15,7 @@ use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
 use super::rows;
 use super::sample::{Residual, TreeSample};
+use super::trajectory::{Stop, Trajectory, With};
 use crate::estimate::constraint::quantity::{self, Valued};
 use crate::estimate::constraint::within::WithinRow;
 use crate::motion::{GoalQuantity, Moment};
@@ -36,7 +36,7 @@ pub(super) struct Sums {
 impl TreeProgram<'_> {
     /// Evaluates the motion from a node to the next; `each` is told of every sample. Where an impact is undefined the cost is not finite, and rows
     /// after it are not told.
-    pub(super) fn leg(
+    pub(super) fn interval(
         &self,
         node: usize,
         has_derivatives: bool,
@@ -47,9 +47,10 @@ impl TreeProgram<'_> {
     ) -> Sums {
         let problem = self.problem;
         let first_event = problem.events_of(node).start;
-        let (width, size) = (problem.width(), problem.leg_size(node));
+        let (width, size) = (problem.width(), problem.interval_size(node));
         let line = &point.time_line(problem);
-        let mut course = Course::new(problem, line, node, &point.nodes[node], has_derivatives);
+        let mut trajectory =
+            Trajectory::new(problem, line, node, &point.nodes[node], has_derivatives);
         let mut snapshot = ForestSnapshot::new(&problem.forest, &problem.gravity_m_s2);
         let mut jacobian = DMatrix::zeros(width, size);
         let mut links: Vec<Option<LinkState>> = vec![None; problem.forest.link_count()];
@@ -74,11 +75,11 @@ impl TreeProgram<'_> {
                 None => Stop::acted(line, item.about_s),
             };
             if reached != Some(to) {
-                course.advance(to);
+                trajectory.advance(to);
                 reached = Some(to);
-                snapshot.set(&course.state());
+                snapshot.set(&trajectory.state());
                 if has_derivatives {
-                    jacobian = course.jacobian();
+                    jacobian = trajectory.jacobian();
                 }
                 links.fill(None);
             }
@@ -100,13 +101,13 @@ impl TreeProgram<'_> {
                     each(&residual);
                 }
                 ItemKind::Goal(index, goal) => {
-                    let state = course.state();
+                    let state = trajectory.state();
                     let (value, by) =
                         self.asked(goal, &state, item.event, &snapshot, &mut links, &jacobian);
                     let (pattern, block) = self.room(index, blocks);
                     for (row, of) in goal.rows(&value).iter().enumerate() {
                         match goal.condition.sd {
-                            Some(sd) => sums.wish(of, &by, sd),
+                            Some(sd) => sums.soft_goal(of, &by, sd),
                             None => rows::put(goal, row, of, &by, pattern, &mut *block),
                         }
                     }
@@ -117,7 +118,7 @@ impl TreeProgram<'_> {
                     let Some(touch) = event.touch_at(point) else {
                         continue;
                     };
-                    let Ok((impact, derivative)) = course.hit(&snapshot, &touch, &event.free)
+                    let Ok((impact, derivative)) = trajectory.hit(&snapshot, &touch, &event.free)
                     else {
                         sums.cost = f64::NAN;
                         return sums;
@@ -130,7 +131,7 @@ impl TreeProgram<'_> {
                     let (pattern, block) = self.room(problem.join_block(node), blocks);
                     rows::join(
                         problem,
-                        &course.state(),
+                        &trajectory.state(),
                         &point.nodes[node + 1],
                         &jacobian,
                         pattern,
@@ -153,14 +154,14 @@ impl TreeProgram<'_> {
         (pattern, block)
     }
 
-    /// What happens on a leg, in its order: an event parts what is before it from what is after it, wherever its
+    /// What happens on an interval, in its order: an event parts what is before it from what is after it, wherever its
     /// estimated time is.
     fn items(&self, node: usize) -> Vec<TimedItem<'_>> {
         let problem = self.problem;
         let events = problem.events_of(node);
         let before = |about_s: f64| {
-            let of_leg = problem.events[events.clone()].iter();
-            of_leg.filter(|event| event.about_s <= about_s).count()
+            let of_interval = problem.events[events.clone()].iter();
+            of_interval.filter(|event| event.about_s <= about_s).count()
         };
         let at_stamp = |acted_s: f64, kind| TimedItem {
             phase: (before(acted_s), 0),
@@ -200,7 +201,7 @@ impl TreeProgram<'_> {
             items.push(at_event(event, kind, 2));
         }
         if node + 1 < problem.nodes_s.len() {
-            let mut next = at_stamp(problem.leg_s(node)[1], ItemKind::Next(node));
+            let mut next = at_stamp(problem.interval_s(node)[1], ItemKind::Next(node));
             next.phase = (events.len(), 1);
             items.push(next);
         }
@@ -211,7 +212,7 @@ impl TreeProgram<'_> {
         items
     }
 
-    /// A goal's quantity with its derivative by the leg's unknowns, at a state, at the time of an event of the leg if that
+    /// A goal's quantity with its derivative by the interval's unknowns, at a state, at the time of an event of the interval if that
     /// is unknown.
     fn asked(
         &self,
@@ -252,11 +253,11 @@ impl TreeProgram<'_> {
 
 /// What happens at a stop.
 struct TimedItem<'a> {
-    /// Number of the leg's events before it; at an event, its goals come before it or after it.
+    /// Number of the interval's events before it; at an event, its goals come before it or after it.
     phase: (usize, usize),
     /// About when it is \[s, acted\].
     about_s: f64,
-    /// Place among the leg's events of the one whose time is its time.
+    /// Place among the interval's events of the one whose time is its time.
     event: Option<usize>,
     kind: ItemKind<'a>,
 }
@@ -265,7 +266,7 @@ enum ItemKind<'a> {
     Sample(&'a TreeSample),
     Goal(usize, &'a TreeGoal),
     Event(usize, &'a TreeEvent),
-    /// The end of the leg of this node.
+    /// The end of the interval of this node.
     Next(usize),
 }
 
@@ -319,7 +320,7 @@ impl Sums {
     }
 
     /// A row of a goal that weighs: half the square of how far it is from its bounds, in deviations.
-    fn wish(&mut self, of: &WithinRow, by: &Matrix3xX<f64>, sd: f64) {
+    fn soft_goal(&mut self, of: &WithinRow, by: &Matrix3xX<f64>, sd: f64) {
         let (lower, upper) = of.bounds;
         let off = (of.value - of.value.clamp(lower, upper)) / sd;
         if off == 0.0 && lower != upper {

@@ -29,7 +29,7 @@ const STEPS: usize = 4;
 /// An optimum is lower whose cost is less by such a share.
 const LOWER: f64 = 1e-5;
 
-/// The lowest of the optima along the weak directions of one, that one if none is lower; of motions on one leg whose stamps are
+/// The lowest of the optima along the weak directions of one, that one if none is lower; of motions on one interval whose stamps are
 /// physical times.
 pub(super) fn walked(mut least: Solved, work: &mut Work, observer: &mut dyn Observer) -> Solved {
     let is_one = least.problem.nodes_s.len() == 1 && least.problem.tempo.is_none();
