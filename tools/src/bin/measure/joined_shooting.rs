@@ -101,7 +101,7 @@ impl Shots {
         for segments in SEGMENTS {
             let cut = on(&problem, segments);
             let plain = plain::states(&cut, &first);
-            all.push(Shot::of(&cut, From::Grown, Start::Grown(first.clone())));
+            all.push(Shot::of(&cut, From::Grown, Start::Continued(first.clone())));
             all.push(Shot::of(&cut, From::Plain, Start::Nodes(plain.nodes)));
         }
         let cut = on(&problem, OF_TRUTH);
