@@ -11,7 +11,6 @@ use crate::motion::{
     ArcEstimate, Estimate, JointTree, LinkIndex, MechanismIndex, PoseSample, Scene, Seen, Settled,
     Sketch, Stamp,
 };
-use crate::physics::Dynamics;
 use crate::physics::flow::{Fall, Spin};
 use crate::physics::tree::{Snapshot, Tree, TreeState};
 
@@ -111,7 +110,7 @@ fn free_frames(
         zero,
         frame_rate_hz,
     )?;
-    let Dynamics::Free(body) = scene.dynamics(mechanism);
+    let body = scene.body_of(mechanism);
     let mut flights: Vec<(&ArcEstimate, Fall, Spin)> = arcs
         .into_iter()
         .map(|arc| {

@@ -3,6 +3,7 @@
 
 use enact::config::scene_from_toml;
 use enact::motion::{Fits, LinkIndex, Scene, Stamp, TakeEvent, TrackIndex, Verdict};
+use enact::physics::flow;
 use enact::pipeline::{Outcome, Pipeline, PipelineError};
 use enact::sampling::SampledMotion;
 use enact::segment::SegmentError;
@@ -80,9 +81,13 @@ fn games_are_told_as_they_were() {
                         off(a.start_s).total_cmp(&off(b.start_s))
                     })
                     .expect("a flight");
-                let dynamics = outcome.scene.dynamics(arc.mechanism);
-                let state =
-                    dynamics.advance(&estimate.gravity_m_s2, &arc.state, hit_s - arc.epoch_s);
+                let body = outcome.scene.body_of(arc.mechanism);
+                let state = flow::advance(
+                    body,
+                    &estimate.gravity_m_s2,
+                    &arc.state,
+                    hit_s - arc.epoch_s,
+                );
                 let off = state.minus(after);
                 assert!(off.fixed_rows::<3>(0).norm() < 3e-3, "{off} {}", what());
                 assert!(off.fixed_rows::<3>(6).norm() < 0.05, "{off} {}", what());
@@ -185,9 +190,9 @@ fn at_rest_it_is_a_surface_and_from_a_train_too() {
             );
         }
         for (a, b) in one.estimate.arcs.iter().zip(&other.estimate.arcs) {
-            let dynamics = one.scene.dynamics(a.mechanism);
+            let body = one.scene.body_of(a.mechanism);
             let gravity = &one.estimate.gravity_m_s2;
-            let there = dynamics.advance(gravity, &b.state, a.epoch_s - b.epoch_s);
+            let there = flow::advance(body, gravity, &b.state, a.epoch_s - b.epoch_s);
             let off = a.state.position_m - back(a.epoch_s) - there.position_m;
             assert!(off.norm() < within, "{off}");
         }

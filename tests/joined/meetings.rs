@@ -2,6 +2,7 @@
 
 use enact::config::scene_from_toml;
 use enact::motion::{About, Estimate, Scene, Verdict};
+use enact::physics::flow;
 use enact::physics::tree::{ForestSnapshot, TreeState};
 use enact::verify;
 use enact_tools::replay::Program;
@@ -87,8 +88,13 @@ fn meets(scene: &Scene, estimate: &Estimate) {
         before.rates[rates].copy_from_slice(&knot.expect("a state before").state.rates);
     }
     for arc in estimate.arcs.iter().filter(|arc| arc.end_s == time_s) {
-        let dynamics = scene.dynamics(arc.mechanism);
-        let state = dynamics.advance(&estimate.gravity_m_s2, &arc.state, time_s - arc.epoch_s);
+        let body = scene.body_of(arc.mechanism);
+        let state = flow::advance(
+            body,
+            &estimate.gravity_m_s2,
+            &arc.state,
+            time_s - arc.epoch_s,
+        );
         let rates = forest.rates_of(usize::from(arc.mechanism));
         before.rates[rates].copy_from_slice(&TreeState::of_body(&state).rates);
     }

@@ -136,7 +136,8 @@ impl Case {
     pub fn true_state(&self, arc: usize, time_s: f64, offset_s: f64) -> State {
         let truth = &self.performance.truth;
         let arc = &truth.arcs[arc];
-        truth.scene.dynamics(arc.mechanism).advance(
+        flow::advance(
+            truth.scene.body_of(arc.mechanism),
             &truth.scene.gravity_m_s2,
             &arc.state,
             time_s - offset_s - arc.epoch_s,

@@ -3,6 +3,7 @@
 use enact::math::so3;
 use enact::motion::{End, Estimate, GoalTarget};
 use enact::physics::State;
+use enact::physics::flow;
 use enact::pipeline::Outcome;
 
 use crate::case::{Case, Posed};
@@ -121,11 +122,13 @@ pub fn simulated_goal_gap(case: &Case, estimate: &Estimate) -> (f64, f64) {
             let mut arcs = estimate.arcs.iter();
             let first = arcs.find(|arc| arc.mechanism == mechanism)?;
             let since_s = start_s - first.epoch_s;
-            Some(
-                scene
-                    .dynamics(mechanism)
-                    .advance(&estimate.gravity_m_s2, &first.state, since_s),
-            )
+            let body = scene.body_of(mechanism);
+            Some(flow::advance(
+                body,
+                &estimate.gravity_m_s2,
+                &first.state,
+                since_s,
+            ))
         })
         .collect();
     let (Some(initial), Some(last)) = (initial, estimate.events.last()) else {

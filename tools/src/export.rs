@@ -13,9 +13,9 @@ use enact::estimate::unknowns::layout::Layout;
 use enact::estimate::unknowns::point::Point;
 use enact::motion::{Cone, FreeParameter, Guess};
 use enact::optimise::Program;
+use enact::physics::State;
 use enact::physics::body::{Body, Symmetry};
 use enact::physics::contact::{Contact, Feature};
-use enact::physics::{Dynamics, State};
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -227,11 +227,7 @@ pub fn problem(
                 acted_s: *acted_s,
             })
             .collect(),
-        bodies: problem
-            .dynamics
-            .iter()
-            .map(|Dynamics::Free(of)| body(of))
-            .collect(),
+        bodies: problem.bodies.iter().map(body).collect(),
         arcs: problem
             .arcs
             .iter()

@@ -19,7 +19,7 @@ use crate::motion::{
 };
 use crate::optimise::System;
 use crate::optimise::finish::Finished;
-use crate::physics::{Dynamics, State};
+use crate::physics::State;
 
 /// Greatest gaps of a physical motion: rounding.
 pub const PHYSICAL: Gap = Gap {
@@ -289,10 +289,10 @@ fn arcs(
 /// Residuals of every sample, view by view, in units: position, then orientation.
 pub fn errors(problem: &Problem, context: &SolveContext, point: &Point) -> Vec<Residuals> {
     let gravity = problem.gravity(&point.parameters);
-    let dynamics = problem.dynamics_at(&point.parameters);
-    let dynamics = dynamics.expect("moments that the solution has");
+    let bodies = problem.bodies_at(&point.parameters);
+    let bodies = bodies.expect("moments that the solution has");
     let views = problem.views().map(|(arc, view)| {
-        let Dynamics::Free(body) = &dynamics[problem.arcs[arc].mechanism];
+        let body = &bodies[problem.arcs[arc].mechanism];
         let flight = (&point.arcs[arc], context.epochs_s[arc]);
         let of = (arc, view);
         let mut observer =

@@ -18,7 +18,6 @@ use crate::estimate::problem::{
 use crate::motion::{
     GoalTarget, LinkIndex, Moment, Partner, Quantity, Scene, Segment, Sketch, Timing,
 };
-use crate::physics::Dynamics;
 
 impl Problem {
     /// The problem of a scene and a sketch cut into segments.
@@ -80,7 +79,7 @@ impl Problem {
             let clock = of_flights.find(|role| matches!(role.owner, Owner::Flight(..)));
             arc.clock = clock.map(|role| role.parameter);
             arc.acting = acting.map(|role| role.acting(None)).collect();
-            let Dynamics::Free(body) = scene.dynamics(arc.mechanism);
+            let body = scene.body_of(arc.mechanism);
             arc.is_plain = arc.acting.is_empty() && body.is_ballistic();
             for view in &mut arc.views {
                 let acts = |acting: &Acting| acting.is_on(view.track);
@@ -124,10 +123,10 @@ impl Problem {
         Self {
             conditions: conditions(scene, &arcs, &collisions, &gravity_parameters),
             // What is apart has no arcs: any body stands for it.
-            dynamics: scene
+            bodies: scene
                 .mechanisms
                 .iter()
-                .filter_map(|of| Some(Dynamics::Free(scene.links[of.links().next()?].body)))
+                .filter_map(|of| Some(scene.links[of.links().next()?].body))
                 .collect(),
             gravity_m_s2: scene.gravity_m_s2,
             collisions,
@@ -314,7 +313,7 @@ fn collisions(
         });
         let mut acting: Vec<Acting> = acting.collect();
         let is_parabola = |side: &ArcPair| {
-            let Dynamics::Free(body) = scene.dynamics(side.mechanism);
+            let body = scene.body_of(side.mechanism);
             body.is_ballistic()
         };
         let is_plain = acting.is_empty() && sides.iter().all(is_parabola);

@@ -17,8 +17,8 @@ use crate::motion::held::StateCovariance;
 use crate::motion::{
     Cone, FreeParameter, HeldMotion, MechanismIndex, Performer, Stamp, TrackIndex,
 };
-use crate::physics::Dynamics;
 use crate::physics::impact::{ContactSet, Law};
+use crate::physics::{Body, state};
 
 /// Units of constraints: violations of one unit have equal weight.
 pub mod unit {
@@ -147,7 +147,7 @@ impl View {
 /// Flight of one mechanism between two events.
 #[derive(Clone, Debug)]
 pub struct Arc {
-    /// What flies (index into [`Problem::dynamics`]).
+    /// What flies (index into [`Problem::bodies`]).
     pub mechanism: MechanismIndex,
     /// Event at its start.
     pub start: Option<usize>,
@@ -213,7 +213,7 @@ impl Arc {
 /// Arcs of one mechanism before and after an event.
 #[derive(Clone, Copy, Debug)]
 pub struct ArcPair {
-    /// What flies (index into [`Problem::dynamics`]).
+    /// What flies (index into [`Problem::bodies`]).
     pub mechanism: MechanismIndex,
     /// Arc before.
     pub before: usize,
@@ -406,8 +406,8 @@ pub enum Beside {
 /// Everything the solver needs, and nothing else.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// Equations of motion of the scene's mechanisms.
-    pub dynamics: TiVec<MechanismIndex, Dynamics>,
+    /// What flies: the body of each of the scene's mechanisms.
+    pub bodies: TiVec<MechanismIndex, Body>,
     /// Gravity, where it is not free [m/s², world].
     pub gravity_m_s2: Vector3<f64>,
     /// Parameters that hold components of gravity.
@@ -473,14 +473,9 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// The equations of motion of an arc.
-    pub fn dynamics_of(&self, arc: usize) -> &Dynamics {
-        &self.dynamics[self.arcs[arc].mechanism]
-    }
-
-    /// Number of unknowns of an arc's state.
-    pub fn dimension(&self, arc: usize) -> usize {
-        self.dynamics_of(arc).dimension()
+    /// What flies on an arc.
+    pub fn body_of(&self, arc: usize) -> &Body {
+        &self.bodies[self.arcs[arc].mechanism]
     }
 
     /// Whether sample times are unknowns.
@@ -533,8 +528,7 @@ impl Problem {
     pub fn is_overconstrained(&self) -> bool {
         let collisions = self.collisions.iter().map(|collision| {
             let contacts = collision.contacts.as_slice().len();
-            let arcs = collision.sides.iter().map(|side| side.after);
-            let states: usize = arcs.map(|arc| self.dimension(arc)).sum();
+            let states = state::DIMENSION * collision.sides.len();
             let contacts = if collision.touches_by_goal {
                 0
             } else {
@@ -549,7 +543,7 @@ impl Problem {
             } => usize::from(lower_m == upper_m),
         });
         let free_events = self.event_is_free.iter().filter(|is_free| **is_free);
-        let states: usize = (0..self.arcs.len()).map(|arc| self.dimension(arc)).sum();
+        let states = state::DIMENSION * self.arcs.len();
         let unknowns = states + free_events.count() + self.parameters.len();
         let times = self.time_bounds.iter();
         let times = times.map(|bound| usize::from(bound.side == TimeSide::Only));

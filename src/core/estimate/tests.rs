@@ -18,7 +18,7 @@ use crate::motion::{
 };
 use crate::optimise::finish::Tolerances;
 use crate::optimise::{Program, Schedule, System};
-use crate::physics::{Body, Drag, Dynamics, Shape, State, contact, flow, impact};
+use crate::physics::{Body, Drag, Shape, State, contact, flow, impact};
 
 mod approach;
 pub(super) mod conditions;
@@ -744,13 +744,13 @@ fn the_meetings_approach_and_one_slides_and_the_other_sticks() {
         let collision = &problem.collisions[0];
         let before = |side: usize| {
             let arc = collision.sides[side].before;
-            let dynamics = problem.dynamics_of(arc);
+            let body = problem.body_of(arc);
             let duration_s = guess.event_times_s[0] - guess.arcs[arc].epoch_s;
-            dynamics.advance(&GRAVITY, &guess.arcs[arc].state, duration_s)
+            flow::advance(body, &GRAVITY, &guess.arcs[arc].state, duration_s)
         };
         let states = [before(0), before(1)];
         let side = |side: usize| {
-            let Dynamics::Free(body) = &problem.dynamics[collision.sides[side].mechanism];
+            let body = &problem.bodies[collision.sides[side].mechanism];
             let state = &states[side];
             impact::Side { body, state }
         };

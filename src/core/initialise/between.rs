@@ -7,7 +7,7 @@
 //! it is known what touches.
 
 use crate::motion::{ArcGuess, MechanismIndex, Scene, Segment};
-use crate::physics::State;
+use crate::physics::{State, flow};
 
 /// Least number of samples of a flight that is fitted by itself.
 pub const FITTED_MIN: usize = 3;
@@ -57,9 +57,9 @@ pub(super) fn fill(
                 let share = ((epoch_s - start_s) / (end_s - start_s)).clamp(0.0, 1.0);
                 mixed(&arrived, &to, if share.is_finite() { share } else { 0.5 })
             });
-            let dynamics = scene.dynamics(mechanism);
+            let body = scene.body_of(mechanism);
             let gravity = &scene.gravity_m_s2;
-            arcs[*index].state = dynamics.advance(gravity, &from, epoch_s - start_s);
+            arcs[*index].state = flow::advance(body, gravity, &from, epoch_s - start_s);
         }
     }
 }
@@ -71,8 +71,8 @@ fn flights_of(segments: &[Segment], mechanism: MechanismIndex) -> Vec<usize> {
 }
 
 fn advanced(scene: &Scene, mechanism: MechanismIndex, arc: &ArcGuess, time_s: f64) -> State {
-    let dynamics = scene.dynamics(mechanism);
-    dynamics.advance(&scene.gravity_m_s2, &arc.state, time_s - arc.epoch_s)
+    let body = scene.body_of(mechanism);
+    flow::advance(body, &scene.gravity_m_s2, &arc.state, time_s - arc.epoch_s)
 }
 
 /// The pose of one state, with a share of the other's velocities.

@@ -9,7 +9,6 @@
 use nalgebra::UnitQuaternion;
 
 use crate::motion::{Scene, Segment, Sketch};
-use crate::physics::Dynamics;
 use crate::physics::body::Symmetry;
 
 /// Angle over which a speed is measured \[rad\]: large relative to a hand's wander, and less than
@@ -33,7 +32,7 @@ pub fn even(scene: &Scene, sketch: &Sketch, segments: &[Segment]) -> Sketch {
     let mut tellers: Vec<(f64, Vec<f64>, Vec<f64>)> = Vec::new();
     for view in segments.iter().flat_map(|segment| &segment.views) {
         let mechanism = scene.mechanism_seen_by(view.track);
-        let Dynamics::Free(body) = scene.dynamics(mechanism);
+        let body = scene.body_of(mechanism);
         let samples = sketch.samples_of(view).iter();
         let samples = samples.filter_map(|of| Some((of.acted_s, of.seen.orientation()?)));
         let turns: Vec<Turn> = samples.collect();

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::motion::{ArcGuess, GoalTarget, Guess, MechanismIndex, Scene, Segment};
-use crate::physics::State;
+use crate::physics::{State, flow};
 
 /// What is known at events.
 pub(super) type Known<T> = BTreeMap<usize, T>;
@@ -70,8 +70,13 @@ impl Flights<'_> {
     }
 
     pub(super) fn advanced(&self, arc: &ArcGuess, at: usize, time_s: f64) -> State {
-        let dynamics = self.scene.dynamics(self.segments[at].mechanism);
-        dynamics.advance(&self.scene.gravity_m_s2, &arc.state, time_s - arc.epoch_s)
+        let body = self.scene.body_of(self.segments[at].mechanism);
+        flow::advance(
+            body,
+            &self.scene.gravity_m_s2,
+            &arc.state,
+            time_s - arc.epoch_s,
+        )
     }
 }
 

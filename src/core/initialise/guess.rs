@@ -8,7 +8,7 @@ use super::readings::Readings;
 use super::turn::{self, OrientationReading};
 use super::{keyed, open_times, pointing, roll, swing, unseen};
 use crate::motion::{Guess, Observer, Scene, Segment, Sketch, Timing};
-use crate::physics::{Dynamics, State};
+use crate::physics::State;
 
 /// Greatest number of choices of fits.
 const GUESSES_MAX: usize = 5;
@@ -84,7 +84,7 @@ pub fn guess(
         if !is_fitted(segment) {
             continue;
         }
-        let Dynamics::Free(body) = scene.dynamics(segment.mechanism);
+        let body = scene.body_of(segment.mechanism);
         let pull_m_s2 = body.pull_m_s2(&scene.gravity_m_s2);
         let mut state = State::at_rest();
         if !readings.places.is_empty() {
@@ -209,7 +209,7 @@ fn rates(
         .zip(readings)
         .map(|(segment, readings)| {
             known.or_else(|| {
-                let Dynamics::Free(body) = scene.dynamics(segment.mechanism);
+                let body = scene.body_of(segment.mechanism);
                 let pull_m_s2 = body.pull_m_s2(&scene.gravity_m_s2);
                 let places = &readings.places;
                 let fit = || ballistic::fit(places, middle_s(segment), &pull_m_s2, None);

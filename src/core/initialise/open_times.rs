@@ -9,7 +9,7 @@ use crate::math::so3;
 use crate::motion::{
     ArcGuess, Guess, MechanismIndex, Quantity, Sample, Scene, Seen, Segment, Sketch, View,
 };
-use crate::physics::State;
+use crate::physics::{State, flow};
 
 /// Number of intervals between the earliest and the latest time of a flight.
 const STEPS: usize = 200;
@@ -67,9 +67,9 @@ struct FlownTimes<'a> {
 
 impl FlownTimes<'_> {
     fn at(&self, time_s: f64) -> State {
-        let dynamics = self.scene.dynamics(self.mechanism);
+        let body = self.scene.body_of(self.mechanism);
         let since_s = time_s + self.clock_s - self.arc.epoch_s;
-        dynamics.advance(&self.scene.gravity_m_s2, &self.arc.state, since_s)
+        flow::advance(body, &self.scene.gravity_m_s2, &self.arc.state, since_s)
     }
 
     /// Squared distance of a sample from the flight, in the scene's weights.

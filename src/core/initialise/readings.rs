@@ -6,8 +6,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::ballistic::Place;
 use crate::math::so3;
 use crate::motion::{Sample, Scene, Seen, Sees, Segment, Sketch};
+use crate::physics::Body;
 use crate::physics::body::Symmetry;
-use crate::physics::{Body, Dynamics};
 
 /// An orientation at an acted time \[s, world from body\].
 pub type Turn = (f64, UnitQuaternion<f64>);
@@ -62,7 +62,7 @@ impl Readings {
         if readings.turns.is_empty() {
             let axes = axes(&points, directions);
             readings.turns = turns(&axes);
-            let Dynamics::Free(body) = scene.dynamics(segment.mechanism);
+            let body = scene.body_of(segment.mechanism);
             readings.pointed = alone(&axes).filter(|(axis, _)| !is_symmetry_axis(&body, axis));
         }
         readings.add_points(&points);

@@ -12,7 +12,6 @@ use super::flights::{Flights, nearest};
 use super::readings::Readings;
 use super::twirl::Twirl;
 use crate::motion::{GoalTarget, Guess, MechanismIndex, Scene, Segment};
-use crate::physics::Dynamics;
 
 /// A guess with what is not seen of the fitted flights: the least motion, then, where rebounds tell how
 /// fast a body turns, those.
@@ -88,7 +87,7 @@ impl Flights<'_> {
     }
 
     fn pull_m_s2(&self, mechanism: MechanismIndex) -> Vector3<f64> {
-        let Dynamics::Free(body) = self.scene.dynamics(mechanism);
+        let body = self.scene.body_of(mechanism);
         body.pull_m_s2(&self.scene.gravity_m_s2)
     }
 }

@@ -11,6 +11,7 @@ use nalgebra::Vector3;
 
 use super::between::is_fitted;
 use crate::motion::{GoalTarget, Guess, MechanismIndex, Scene, Segment, Sketch};
+use crate::physics::flow;
 
 /// Least square error of flights that is believed, in squared units of positions.
 const LEAST_SQUARE: f64 = 1e-6;
@@ -41,8 +42,8 @@ fn square_off_m2(scene: &Scene, segments: &[Segment], guess: &Guess) -> f64 {
     let arrival = |index: usize, event: usize| {
         let arc = &guess.arcs[index];
         let after_s = guess.event_times_s[event] - arc.epoch_s;
-        let dynamics = scene.dynamics(segments[index].mechanism);
-        let state = dynamics.advance(&scene.gravity_m_s2, &arc.state, after_s);
+        let body = scene.body_of(segments[index].mechanism);
+        let state = flow::advance(body, &scene.gravity_m_s2, &arc.state, after_s);
         (state.position_m, state.velocity_m_s)
     };
     let ending = |mechanism: MechanismIndex, event: usize| {

@@ -6,7 +6,6 @@ pub mod body;
 pub mod contact;
 pub mod drag;
 pub mod driven;
-pub mod dynamics;
 pub mod features;
 pub mod flow;
 pub mod impact;
@@ -17,6 +16,5 @@ pub mod tree;
 
 pub use body::{Body, BodyError};
 pub use drag::Drag;
-pub use dynamics::Dynamics;
 pub use shape::{Shape, ShapeError};
 pub use state::State;

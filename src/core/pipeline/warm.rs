@@ -1,6 +1,7 @@
 //! An estimate as the guess for the next one, which has a few more samples.
 
 use crate::motion::{ArcEstimate, ArcGuess, Estimate, Guess, Scene, Segment, Sketch, TimeMap};
+use crate::physics::flow;
 
 /// An existing estimate.
 pub(super) struct Known<'a> {
@@ -30,11 +31,11 @@ pub(super) fn guess(
             Some([first_s, last_s]) => shift_s + map.physical_s(0.5 * (first_s + last_s)),
             None => shift_s + 0.5 * (arc.start_s + arc.end_s),
         };
-        let dynamics = scene.dynamics(segment.mechanism);
+        let body = scene.body_of(segment.mechanism);
         let since_s = epoch_s - (arc.epoch_s + shift_s);
         Some(ArcGuess {
             epoch_s,
-            state: dynamics.advance(&known.estimate.gravity_m_s2, &arc.state, since_s),
+            state: flow::advance(body, &known.estimate.gravity_m_s2, &arc.state, since_s),
             sample_times_s: times_s.collect(),
         })
     });

@@ -6,6 +6,7 @@ use super::*;
 use crate::config::scene_from_toml;
 use crate::motion::{ArcEstimate, Counters, DurationEstimate, End, FitUntold, Progress, Verdict};
 use crate::physics::Drag;
+use crate::physics::flow;
 
 const TABLE_AND_WALL: &str = r#"
 name = "drop"
@@ -102,8 +103,8 @@ fn the_seam_is_continuous() {
     // The first steps are free flight, but for the order of the integration.
     for (step, pose) in poses.iter().enumerate().take(12) {
         let duration_s = step as f64 * INTERVAL_S;
-        let dynamics = scene.dynamics(MechanismIndex(0));
-        let free = dynamics.advance(&scene.gravity_m_s2, &state, duration_s);
+        let body = scene.body_of(MechanismIndex(0));
+        let free = flow::advance(body, &scene.gravity_m_s2, &state, duration_s);
         let off_m = (free.position_m - pose.translation.vector).norm();
         assert!(off_m <= 10.0 * duration_s * INTERVAL_S + 1e-12, "{off_m}");
         let off_rad = free.orientation.angle_to(&pose.rotation);
@@ -240,9 +241,9 @@ fn what_flies_on_keeps_its_drag_and_force() {
     let step = 12;
     let [there, then] = [&free, &windy].map(|scene| {
         let settled = settle(scene, &estimate(scene, state), 0.1).unwrap();
-        let dynamics = scene.dynamics(MechanismIndex(0));
+        let body = scene.body_of(MechanismIndex(0));
         let duration_s = step as f64 * INTERVAL_S;
-        let exact = dynamics.advance(&scene.gravity_m_s2, &state, duration_s);
+        let exact = flow::advance(body, &scene.gravity_m_s2, &state, duration_s);
         let simulated = settled.links[LinkIndex(0)].poses[step].translation.vector;
         (simulated, exact.position_m)
     });

@@ -6,7 +6,7 @@ use super::link::JoinedLink;
 use crate::motion::held::HeldEstimate;
 use crate::motion::{ArcEstimate, Estimate, Link, LinkIndex, Scene};
 use crate::physics::shape::Solid;
-use crate::physics::{Body, Dynamics, State};
+use crate::physics::{Body, State, flow};
 
 /// Moments closer than this, relative to the largest, are treated as equal in the bound.
 const APART: f64 = 1e-6;
@@ -71,7 +71,7 @@ impl<'a> MovingLink<'a> {
             return joined.state(arc, time_s);
         }
         let since_s = time_s - arc.epoch_s;
-        Dynamics::Free(self.of_scene.body).advance(&self.gravity_m_s2, &arc.state, since_s)
+        flow::advance(&self.of_scene.body, &self.gravity_m_s2, &arc.state, since_s)
     }
 
     /// The arc that ends at a time.

@@ -4,9 +4,9 @@ use enact::estimate::terms::context::SolveContext;
 use enact::estimate::unknowns::point::Point;
 use enact::math::so3;
 use enact::optimise::block::{Block, BlockPattern};
+use enact::physics::flow;
 use enact::physics::state::DIMENSION as STATE;
 use enact::physics::state::part;
-use enact::physics::{Dynamics, flow};
 use nalgebra::{DMatrix, Matrix3, SMatrix, Vector3};
 
 use super::chain::Chains;
@@ -25,7 +25,7 @@ pub struct Join {
 pub fn between(context: &SolveContext, point: &Point, left: usize, right: usize) -> Join {
     let problem = context.problem;
     let acceleration = problem.gravity(&point.parameters);
-    let Dynamics::Free(body) = problem.dynamics_of(left);
+    let body = problem.body_of(left);
     let s = context.epochs_s[right] - context.epochs_s[left];
     let from = &point.arcs[left];
     let end = flow::advance(body, &acceleration, from, s);

@@ -4,6 +4,7 @@ use enact::estimate::problem::Problem;
 use enact::estimate::unknowns::layout::Layout;
 use enact::estimate::unknowns::point::Point;
 use enact::motion::Guess;
+use enact::physics::flow;
 use enact::physics::state::StateTangent;
 
 use super::columns::Columns;
@@ -48,8 +49,8 @@ impl Setting {
             let samples = |piece: &usize| self.split.problem.arcs[*piece].sample_count();
             let piece = pieces.max_by_key(samples).expect("every arc has a piece");
             let past_s = self.guess.arcs[arc].epoch_s - self.split.epochs_s[piece];
-            let dynamics = &self.problem.dynamics[of.mechanism];
-            dynamics.advance(&gravity, &place.lifted.arcs[piece], past_s)
+            let body = &self.problem.bodies[of.mechanism];
+            flow::advance(body, &gravity, &place.lifted.arcs[piece], past_s)
         });
         Point {
             arcs: arcs.collect(),

@@ -4,7 +4,7 @@ use enact::estimate::problem::{ArcCollision, Problem, unit};
 use enact::estimate::unknowns::point::Point;
 use enact::physics::impact::{self, Impact};
 use enact::physics::state::StateTangent;
-use enact::physics::{Dynamics, State};
+use enact::physics::{State, flow};
 
 use super::columns::{Columns, GAP};
 use super::split::{Grid, Split};
@@ -59,8 +59,8 @@ pub fn simulate(
             };
             let jumped = bounced.retract(&gaps[index][body].component_mul(&units()));
             let lasts_s = split.epochs_s[side.after] - time_s;
-            let dynamics = &problem.dynamics[side.mechanism];
-            point.arcs[side.after] = dynamics.advance(&gravity, &jumped, lasts_s);
+            let body = &problem.bodies[side.mechanism];
+            point.arcs[side.after] = flow::advance(body, &gravity, &jumped, lasts_s);
         }
     }
     let is_finite = point.arcs.iter().all(State::is_finite);
@@ -78,8 +78,8 @@ pub fn gaps(problem: &Problem, split: &Split, point: &Point) -> Vec<[StateTangen
         };
         for (body, side) in collision.sides.iter().enumerate() {
             let past_s = time_s - split.epochs_s[side.after];
-            let dynamics = &problem.dynamics[side.mechanism];
-            let after = dynamics.advance(&gravity, &point.arcs[side.after], past_s);
+            let flies = &problem.bodies[side.mechanism];
+            let after = flow::advance(flies, &gravity, &point.arcs[side.after], past_s);
             let bounced = State {
                 velocity_m_s: impact.after[body].velocity_m_s,
                 angular_velocity_rad_s: impact.after[body].angular_velocity_rad_s,
@@ -103,14 +103,14 @@ fn at(
     let problem = &split.problem;
     let gravity = problem.gravity(&point.parameters);
     let arriving = |side: &enact::estimate::problem::ArcPair| {
-        let dynamics = &problem.dynamics[side.mechanism];
+        let body = &problem.bodies[side.mechanism];
         let past_s = time_s - split.epochs_s[side.before];
-        dynamics.advance(&gravity, &point.arcs[side.before], past_s)
+        flow::advance(body, &gravity, &point.arcs[side.before], past_s)
     };
     let first = arriving(&collision.sides[0]);
     let second = collision.sides.get(1).map(arriving);
     let side = |side: usize, state| {
-        let Dynamics::Free(body) = &problem.dynamics[collision.sides[side].mechanism];
+        let body = &problem.bodies[collision.sides[side].mechanism];
         impact::Side { body, state }
     };
     let law = collision.law(&point.parameters);

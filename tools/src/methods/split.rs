@@ -7,7 +7,7 @@
 use enact::estimate::problem::{Arc, ArcCollision, Problem};
 use enact::estimate::unknowns::point::Point;
 use enact::motion::Guess;
-use enact::physics::State;
+use enact::physics::{State, flow};
 
 use super::touch::touching;
 
@@ -106,9 +106,9 @@ pub fn split(problem: &Problem, guess: &Guess, grid: Grid) -> Split {
                 (None, _) if follows => 0.5 * (start_s + to_s.unwrap_or(end_s)),
                 (None, _) => start_s,
             };
-            let dynamics = &problem.dynamics[arc.mechanism];
+            let body = &problem.bodies[arc.mechanism];
             let past_s = epoch_s - guess.arcs[index].epoch_s;
-            let state: State = dynamics.advance(&gravity, &fits.arcs[index], past_s);
+            let state: State = flow::advance(body, &gravity, &fits.arcs[index], past_s);
             if piece > 0 {
                 split.joins.push((first + piece - 1, first + piece));
             }

@@ -1,6 +1,5 @@
 //! What a method is asked, and what it answers.
 
-use enact::physics::Dynamics;
 use std::time::Instant;
 
 use enact::estimate::problem::Problem;
@@ -163,7 +162,7 @@ impl Task {
             }
             Method::FullFlow => {
                 let mut problem = self.problem.clone();
-                for Dynamics::Free(body) in &mut problem.dynamics {
+                for body in &mut problem.bodies {
                     *body = with_three_moments(body);
                 }
                 let layout = Layout::new(&problem);
@@ -177,7 +176,7 @@ impl Task {
                 (setting.whole(&end.place), end.converged)
             }
             Method::Multiple(per_flight) => {
-                let mechanisms = self.problem.dynamics.len();
+                let mechanisms = self.problem.bodies.len();
                 let intervals = per_flight * self.problem.arcs.len().div_ceil(mechanisms);
                 self.solved(
                     Method::Over(Grid::Shooting { intervals }),

@@ -9,7 +9,7 @@ use enact::estimate::unknowns::point::Point;
 use enact::motion::Guess;
 use enact::physics::impact::{self, ImpactDerivative};
 use enact::physics::state::part;
-use enact::physics::{Dynamics, State};
+use enact::physics::{State, flow};
 use nalgebra::Vector3;
 
 use super::simulate::root_s;
@@ -45,15 +45,15 @@ pub fn touching(problem: &Problem, guess: &Guess, mut fits: Point) -> Point {
         };
         let side = &collision.sides[0];
         let past_s = mark_s - guess.arcs[side.before].epoch_s;
-        let dynamics = &problem.dynamics[side.mechanism];
-        let then = dynamics.advance(&gravity, &fits.arcs[side.before], past_s);
+        let body = &problem.bodies[side.mechanism];
+        let then = flow::advance(body, &gravity, &fits.arcs[side.before], past_s);
         let faster_m_s = at.speed_m_s.min(-APPROACH_M_S) - at.speed_m_s;
         let moved = State {
             position_m: then.position_m - at.normal * at.gap_m,
             velocity_m_s: then.velocity_m_s + at.normal * faster_m_s,
             ..then
         };
-        fits.arcs[side.before] = dynamics.advance(&gravity, &moved, -past_s);
+        fits.arcs[side.before] = flow::advance(body, &gravity, &moved, -past_s);
     }
     fits
 }
@@ -68,12 +68,12 @@ fn contact(
     let gravity = problem.gravity(&fits.parameters);
     let states = collision.sides.iter().map(|side| {
         let past_s = time_s - guess.arcs[side.before].epoch_s;
-        let dynamics = &problem.dynamics[side.mechanism];
-        dynamics.advance(&gravity, &fits.arcs[side.before], past_s)
+        let body = &problem.bodies[side.mechanism];
+        flow::advance(body, &gravity, &fits.arcs[side.before], past_s)
     });
     let states: Vec<State> = states.collect();
     let side = |side: usize| {
-        let Dynamics::Free(body) = &problem.dynamics[collision.sides[side].mechanism];
+        let body = &problem.bodies[collision.sides[side].mechanism];
         let state = &states[side];
         impact::Side { body, state }
     };

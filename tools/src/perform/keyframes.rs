@@ -4,6 +4,7 @@ use enact::math::{Pose, so3};
 use enact::motion::{
     ArcEstimate, Estimate, LinkIndex, Mark, PoseSample, Stamp, TakeEvent, Timing, TrackIndex,
 };
+use enact::physics::flow;
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -189,8 +190,8 @@ impl Off {
                 let time_s = arc.start_s + share * (arc.end_s - arc.start_s);
                 let state = truth.flown(arc, time_s);
                 let since_s = time_s - zero_s - found.epoch_s;
-                let dynamics = truth.scene.dynamics(found.mechanism);
-                let there = dynamics.advance(&truth.scene.gravity_m_s2, &found.state, since_s);
+                let body = truth.scene.body_of(found.mechanism);
+                let there = flow::advance(body, &truth.scene.gravity_m_s2, &found.state, since_s);
                 let position_m = (there.position_m - state.position_m).norm();
                 off.position_m = off.position_m.max(position_m);
                 let turn = so3::log(&(state.orientation.inverse() * there.orientation));

@@ -285,7 +285,8 @@ impl Truth {
 
     /// The state at a time on an arc or beyond.
     pub(super) fn flown(&self, arc: &ArcEstimate, time_s: f64) -> State {
-        self.scene.dynamics(arc.mechanism).advance(
+        flow::advance(
+            self.scene.body_of(arc.mechanism),
             &self.scene.gravity_m_s2,
             &arc.state,
             time_s - arc.epoch_s,

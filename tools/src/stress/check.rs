@@ -3,8 +3,8 @@
 
 use enact::math::so3;
 use enact::motion::{ArcEstimate, Estimate, GoalTarget, LinkIndex, MechanismIndex, Scene};
-use enact::physics::State;
 use enact::physics::impact::{Law, Side};
+use enact::physics::{State, flow};
 
 use crate::perform::encounter::{Encounter, still};
 use crate::perform::{Truth, simulate};
@@ -69,9 +69,9 @@ fn parameters(estimate: &Estimate) -> Vec<f64> {
 }
 
 fn flown(scene: &Scene, estimate: &Estimate, arc: &ArcEstimate, time_s: f64) -> State {
-    let dynamics = scene.dynamics(arc.mechanism);
+    let body = scene.body_of(arc.mechanism);
     let gravity = &estimate.gravity_m_s2;
-    dynamics.advance(gravity, &arc.state, time_s - arc.epoch_s)
+    flow::advance(body, gravity, &arc.state, time_s - arc.epoch_s)
 }
 
 /// The first gap that does not close.

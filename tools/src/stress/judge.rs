@@ -3,6 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use enact::motion::{Estimate, Verdict};
+use enact::physics::flow;
 use enact::pipeline::{Outcome, PipelineError};
 use enact::report::reason_text;
 
@@ -162,11 +163,11 @@ fn off_m(case: &Case, estimate: &Estimate, offset_s: f64) -> f64 {
     }
     let arcs = estimate.arcs.iter().enumerate();
     let off_m = arcs.map(|(index, arc)| {
-        let dynamics = truth.scene.dynamics(arc.mechanism);
+        let body = truth.scene.body_of(arc.mechanism);
         let time_s = 0.5 * (arc.start_s + arc.end_s);
         let gravity = &estimate.gravity_m_s2;
         let at_s = time_s - arc.epoch_s;
-        let own = dynamics.advance(gravity, &arc.state, at_s);
+        let own = flow::advance(body, gravity, &arc.state, at_s);
         (own.position_m - case.true_state(index, time_s, offset_s).position_m).norm()
     });
     off_m.fold(0.0, f64::max)

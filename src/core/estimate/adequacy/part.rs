@@ -130,7 +130,7 @@ pub(super) fn absorbed(
             directions.push(column);
         }
     }
-    let states = arcs.iter().flat_map(|arc| layout.state(problem, *arc));
+    let states = arcs.iter().flat_map(|arc| layout.state(*arc));
     let parameters = layout.parameters.iter().copied();
     for unknown in states.chain(parameters) {
         if !alone.is_unseen(unknown) {

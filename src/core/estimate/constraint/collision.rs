@@ -21,7 +21,7 @@ use crate::motion::Gap;
 use crate::optimise::block::{Block, BlockPattern};
 use crate::physics::impact;
 use crate::physics::state::part;
-use crate::physics::{Body, Dynamics, State};
+use crate::physics::{Body, State};
 
 impl Constraint for ArcCollision {
     /// In the order of a row's columns: states before, the event's time, the state after, gravity,
@@ -188,7 +188,7 @@ fn arrivals<'a>(
     let gravity = problem.gravity(&point.parameters);
     let time_s = point.event_times_s[collision.event];
     move |arc| {
-        let Dynamics::Free(body) = problem.dynamics_of(arc);
+        let body = problem.body_of(arc);
         ArcEnd::new(body, &gravity, &point.arcs[arc], epochs_s[arc], time_s)
     }
 }
@@ -217,7 +217,7 @@ fn sides<'a>(
         let state = &before[side].as_ref()?.state;
         let body = match collision.sides.get(side) {
             Some(side) => {
-                let Dynamics::Free(body) = &problem.dynamics[side.mechanism];
+                let body = &problem.bodies[side.mechanism];
                 body
             }
             None => &Body::IMMOVABLE,

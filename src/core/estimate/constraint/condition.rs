@@ -33,8 +33,8 @@ use crate::estimate::unknowns::layout::Layout;
 use crate::math::so3;
 use crate::motion::{BodyPoint, Gap, GoalQuantity, GoalUnit};
 use crate::optimise::block::{Block, BlockPattern, SecondDerivative};
+use crate::physics::State;
 use crate::physics::state::{StateTangent, part};
-use crate::physics::{Dynamics, State};
 
 /// A row is nearly stationary where its slope changes sign within this time \[s\].
 const STATIONARY_S: f64 = 0.02;
@@ -47,8 +47,8 @@ const STATE: usize = 12;
 impl Constraint for ArcCondition {
     /// Columns: the states of its arcs, the time of the event and that since which a time is counted,
     /// where they are free; parameters.
-    fn patterns(&self, problem: &Problem, layout: &Layout) -> [BlockPattern; 2] {
-        let states = self.arcs.iter().flat_map(|arc| layout.state(problem, *arc));
+    fn patterns(&self, _: &Problem, layout: &Layout) -> [BlockPattern; 2] {
+        let states = self.arcs.iter().flat_map(|arc| layout.state(*arc));
         let times = self.events().filter_map(|event| layout.events[event]);
         let parameters = self.acting.iter().map(|of| layout.parameters[of.parameter]);
         let columns = states.chain(times).chain(parameters).collect();
@@ -144,7 +144,7 @@ impl ArcCondition {
         let reached = self.arcs.iter().map(|arc| {
             let flight = (&point.arcs[*arc], at.epochs_s[*arc]);
             let (end, body) = if problem.arcs[*arc].is_plain {
-                let Dynamics::Free(body) = problem.dynamics_of(*arc);
+                let body = problem.body_of(*arc);
                 (
                     ReachedEnd::Plain(Box::new(ArcEnd::new(
                         body,
@@ -156,8 +156,8 @@ impl ArcCondition {
                     *body,
                 )
             } else {
-                let dynamics = problem.dynamics_at(&point.parameters)?;
-                let Dynamics::Free(body) = dynamics[problem.arcs[*arc].mechanism];
+                let bodies = problem.bodies_at(&point.parameters)?;
+                let body = bodies[problem.arcs[*arc].mechanism];
                 let arrival = GeneralArrival::new(problem, point, *arc, flight.1, time_s)?;
                 (ReachedEnd::General(Box::new(arrival)), body)
             };

@@ -23,7 +23,7 @@ use crate::motion::MechanismIndex;
 use crate::optimise::block::BlockPattern;
 use crate::physics::impact::{self, ImpactByModel};
 use crate::physics::state::{StateTangent, part};
-use crate::physics::{Body, Dynamics, State};
+use crate::physics::{Body, State};
 
 /// The unknowns of all rows: states before, the event's time; for those of a side also the state
 /// after and the law's parameters; acting parameters last.
@@ -35,7 +35,7 @@ pub(super) fn patterns(
     let places = Places::new(problem, collision);
     let (mut block, mut gaps) = (BlockPattern::default(), BlockPattern::default());
     let before = collision.sides.iter().map(|side| side.before);
-    let before = before.flat_map(|arc| layout.state(problem, arc));
+    let before = before.flat_map(|arc| layout.state(arc));
     let held = collision.held.map(|held| layout.held[held]);
     let held = held.into_iter().flat_map(|at| at..at + STATE);
     let arriving: Vec<usize> = before
@@ -49,7 +49,7 @@ pub(super) fn patterns(
     block.push(places.approaches, touching);
     let law: Vec<usize> = law(collision).map(|p| layout.parameters[p]).collect();
     for side in &collision.sides {
-        let after: Vec<usize> = layout.state(problem, side.after).collect();
+        let after: Vec<usize> = layout.state(side.after).collect();
         let all = [arriving.clone(), after, law.clone(), acting.clone()].concat();
         if places.rows_per_side == STATE {
             block.push(STATE, all);
@@ -92,9 +92,9 @@ pub(super) fn fill(
         .chain(held.map(Some))
         .collect::<Option<_>>()?;
     let by_state: Vec<ByStates> = before.iter().map(GeneralArrival::by_state).collect();
-    let dynamics = problem.dynamics_at(parameters)?;
+    let bodies = problem.bodies_at(parameters)?;
     let body = |mechanism: MechanismIndex| {
-        let Dynamics::Free(body) = &dynamics[mechanism];
+        let body = &bodies[mechanism];
         body
     };
     let side = |index: usize| {

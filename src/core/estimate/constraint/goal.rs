@@ -16,7 +16,6 @@ use crate::estimate::unknowns::layout::Layout;
 use crate::math::so3;
 use crate::motion::Gap;
 use crate::optimise::block::{Block, BlockPattern, SecondDerivative};
-use crate::physics::Dynamics;
 use crate::physics::state::{StateTangent, part};
 
 impl Constraint for ArcGoal {
@@ -27,7 +26,7 @@ impl Constraint for ArcGoal {
         if !of.is_plain {
             let acting = of.acting.iter().map(|a| layout.parameters[a.parameter]);
             let time = layout.events[self.event];
-            let all = layout.state(problem, self.arc).chain(time).chain(acting);
+            let all = layout.state(self.arc).chain(time).chain(acting);
             let rows = match &self.target {
                 ArcTarget::Pose(_) => 6,
                 ArcTarget::Coordinate { .. } => 1,
@@ -65,7 +64,7 @@ impl Constraint for ArcGoal {
             }
             return;
         }
-        let Dynamics::Free(body) = problem.dynamics_of(self.arc);
+        let body = problem.body_of(self.arc);
         let gravity = problem.gravity(&at.point.parameters);
         let time_s = at.event_time_s(self.event);
         let arrival = ArcEnd::new(

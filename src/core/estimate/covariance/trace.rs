@@ -7,7 +7,6 @@ use crate::estimate::problem::View;
 use crate::estimate::terms::context::SolveContext;
 use crate::estimate::terms::observed::SampleObserver;
 use crate::estimate::unknowns::point::Point;
-use crate::physics::Dynamics;
 use crate::physics::flow::{self, Spin};
 use crate::physics::state::part;
 
@@ -79,8 +78,8 @@ impl<'a> Design<'a> {
     pub fn of(context: &'a SolveContext, point: &Point, bins: &Bins, arcs: &[usize]) -> Self {
         let problem = context.problem;
         let gravity_m_s2 = problem.gravity(&point.parameters);
-        let dynamics = problem.dynamics_at(&point.parameters);
-        let dynamics = dynamics.expect("moments that the solution has");
+        let bodies = problem.bodies_at(&point.parameters);
+        let bodies = bodies.expect("moments that the solution has");
         let mut bin_of_sample = bins.of_samples.iter();
         let views = arcs.iter().flat_map(|arc| {
             let views = problem.arcs[*arc].views.iter();
@@ -90,7 +89,7 @@ impl<'a> Design<'a> {
             let arc = &problem.arcs[index];
             let state = &point.arcs[index];
             let omega = &state.angular_velocity_rad_s;
-            let Dynamics::Free(body) = &dynamics[arc.mechanism];
+            let body = &bodies[arc.mechanism];
             let own = view.samples.iter().zip(&mut bin_of_sample);
             if !view.is_plain {
                 let flight = (state, context.epochs_s[index]);
@@ -208,7 +207,7 @@ impl<'a> Design<'a> {
         let (problem, layout) = (self.context.problem, self.context.layout);
         let acting = problem.arcs[arc].acting.iter();
         let acting = acting.map(|acting| layout.parameters[acting.parameter]);
-        layout.state(problem, arc).chain(acting)
+        layout.state(arc).chain(acting)
     }
 
     fn arc_step(&self, view: &ViewDesign, step: &DVector<f64>) -> ArcStep {

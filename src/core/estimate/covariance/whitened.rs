@@ -45,9 +45,9 @@ impl Whitened {
         arc: usize,
         origin: &State,
     ) -> Option<Self> {
-        let at: Vec<usize> = context.layout.state(context.problem, arc).collect();
+        let at: Vec<usize> = context.layout.state(arc).collect();
         let columns = covariance.with_all(&at);
-        let lengths = context.lengths_of_state(arc);
+        let lengths = context.lengths_of_state();
         let scale = DMatrix::from_diagonal(&lengths);
         let unscale = DMatrix::from_diagonal(&lengths.map(f64::recip));
         let block = &unscale * columns.select_rows(&at) * &unscale;

@@ -12,7 +12,6 @@ use crate::estimate::terms::context::SolveContext;
 use crate::estimate::terms::observed::{Observed, SampleObserver};
 use crate::estimate::unknowns::point::Point;
 use crate::optimise::envelope::Envelope;
-use crate::physics::Dynamics;
 
 /// Adds it.
 pub fn add(nudged: &mut Nudged, matrix: &mut Envelope) {
@@ -25,7 +24,7 @@ pub fn add(nudged: &mut Nudged, matrix: &mut Envelope) {
     }
     for pull in problem.pulls.iter().chain(&problem.regulariser) {
         let (_, by_state) = pull.term(&point.arcs[pull.arc]);
-        let own: Vec<usize> = context.layout.state(problem, pull.arc).collect();
+        let own: Vec<usize> = context.layout.state(pull.arc).collect();
         let slopes = nudged.slopes(&own, |point| {
             let (residuals, by_state) = pull.term(&point.arcs[pull.arc]);
             by_state.tr_mul(&residuals)
@@ -52,7 +51,7 @@ impl<'a> General<'a> {
             context,
             arc,
             view,
-            own: layout.state(problem, arc).chain(acting).collect(),
+            own: layout.state(arc).chain(acting).collect(),
         }
     }
 
@@ -111,8 +110,8 @@ impl<'a> General<'a> {
     /// Its samples at a point, with all times later; `None` where no body has such moments.
     fn observed(&self, point: &Point, later_s: f64) -> Option<Vec<Observed>> {
         let problem = self.context.problem;
-        let dynamics = problem.dynamics_at(&point.parameters)?;
-        let Dynamics::Free(body) = &dynamics[problem.arcs[self.arc].mechanism];
+        let bodies = problem.bodies_at(&point.parameters)?;
+        let body = &bodies[problem.arcs[self.arc].mechanism];
         let gravity_m_s2 = problem.gravity(&point.parameters);
         let times_s = point.node_times_s.iter().map(|time_s| time_s + later_s);
         let times_s: Vec<f64> = times_s.collect();

@@ -53,7 +53,7 @@ impl<'a> Nudged<'a> {
         let layout = context.layout;
         let mut owners = vec![NudgedOwner::Node; layout.size()];
         for (arc, at) in layout.arcs.iter().enumerate() {
-            for entry in 0..context.problem.dimension(arc) {
+            for entry in 0..state::DIMENSION {
                 owners[at + entry] = NudgedOwner::State { arc, entry };
             }
         }

@@ -29,7 +29,7 @@ use crate::optimise::System;
 use crate::optimise::envelope::{Envelope, Pattern};
 use crate::physics::observe::TurnTerms;
 use crate::physics::state::part;
-use crate::physics::{Body, Dynamics, State};
+use crate::physics::{Body, State};
 
 /// Steps of the differences by orientation \[rad\] and angular velocity [rad/s].
 const STEPS: [f64; 2] = [1e-5, 5e-5];
@@ -52,7 +52,7 @@ pub fn add(
         if !view.is_plain {
             continue;
         }
-        let Dynamics::Free(body) = problem.dynamics_of(index);
+        let body = problem.body_of(index);
         let flight = FlightTerms {
             context,
             point,

@@ -7,9 +7,9 @@ use super::arc_end::ArcEnd;
 use crate::estimate::problem::Problem;
 use crate::estimate::problem::influence::{Acting, Influence, drag_is_free};
 use crate::estimate::unknowns::point::Point;
+use crate::physics::State;
 use crate::physics::flow::{self, Fall, Fallen};
 use crate::physics::state::{StateTangent, part};
-use crate::physics::{Dynamics, State};
 
 /// Derivatives of a state by a state.
 pub(in crate::estimate) type ByStates = SMatrix<f64, 12, 12>;
@@ -32,8 +32,8 @@ impl GeneralArrival {
         epoch_s: f64,
         time_s: f64,
     ) -> Option<Self> {
-        let dynamics = problem.dynamics_at(&point.parameters)?;
-        let Dynamics::Free(body) = &dynamics[problem.arcs[arc].mechanism];
+        let bodies = problem.bodies_at(&point.parameters)?;
+        let body = &bodies[problem.arcs[arc].mechanism];
         let gravity_m_s2 = problem.gravity(&point.parameters);
         let state: &State = &point.arcs[arc];
         let end = ArcEnd::new(body, &gravity_m_s2, state, epoch_s, time_s);

@@ -9,23 +9,15 @@ use crate::estimate::terms::objective::Objective;
 use crate::estimate::unknowns::point::Point;
 use crate::optimise::envelope::Envelope;
 use crate::optimise::{Program, Structure, System};
+use crate::physics::state;
 
 /// Typical step lengths `s` of the damping `10/s²` ([`Program::damping`]).
 mod length {
-    use crate::physics::Dynamics;
-
     pub const TIME_S: f64 = 0.02;
 
     /// Of the directions of a free body's state, three by three: position \[m\], orientation \[rad\],
     /// velocity [m/s], angular velocity [rad/s].
     const FREE: [f64; 4] = [0.05, 1.0, 0.5, 5.0];
-
-    /// Of every direction in which the state of a mechanism may change.
-    pub fn of_state(dynamics: &Dynamics) -> impl Iterator<Item = f64> {
-        match dynamics {
-            Dynamics::Free(_) => of_free(),
-        }
-    }
 
     /// Of every direction in which the state of a free body may change.
     pub fn of_free() -> impl Iterator<Item = f64> {
@@ -62,8 +54,8 @@ impl Program for SolveContext<'_> {
         let weight = |length: f64| 10.0 * information / (length * length);
         let mut scale = DVector::repeat(layout.size(), weight(length::TIME_S));
         for arc in 0..problem.arcs.len() {
-            let lengths = length::of_state(problem.dynamics_of(arc));
-            for (at, length) in layout.state(problem, arc).zip(lengths) {
+            let lengths = length::of_free();
+            for (at, length) in layout.state(arc).zip(lengths) {
                 scale[at] = weight(length);
             }
         }
@@ -103,9 +95,8 @@ impl Program for SolveContext<'_> {
 
 impl SolveContext<'_> {
     /// Typical step lengths of an arc's state.
-    pub(in crate::estimate) fn lengths_of_state(&self, arc: usize) -> DVector<f64> {
-        let dynamics = self.problem.dynamics_of(arc);
-        DVector::from_iterator(dynamics.dimension(), length::of_state(dynamics))
+    pub(in crate::estimate) fn lengths_of_state(&self) -> DVector<f64> {
+        DVector::from_iterator(state::DIMENSION, length::of_free())
     }
 
     fn fill_constraints(&self, guidance: &Guidance, point: &Point, system: &mut System) {

@@ -6,7 +6,7 @@
 use crate::estimate::problem::{ArcCollision, Problem};
 use crate::estimate::unknowns::point::Point;
 use crate::physics::impact::Side;
-use crate::physics::{Body, Dynamics, State};
+use crate::physics::{Body, State, flow};
 
 /// Sets the states of arcs with few samples, in order of time, to those after the impacts with which
 /// they begin. Those whose contact recedes, or is degenerate, stay.
@@ -23,8 +23,8 @@ pub fn hand_on(problem: &Problem, epochs_s: &[f64], point: &mut Point) {
                 if few(side.after) {
                     let since_s = epochs_s[side.after] - point.event_times_s[collision.event];
                     let gravity = problem.gravity(&point.parameters);
-                    let dynamics = problem.dynamics_of(side.after);
-                    point.arcs[side.after] = dynamics.advance(&gravity, &state, since_s);
+                    let body = problem.body_of(side.after);
+                    point.arcs[side.after] = flow::advance(body, &gravity, &state, since_s);
                 }
             }
         }
@@ -41,8 +41,8 @@ fn after(
     let time_s = point.event_times_s[collision.event];
     let gravity = problem.gravity(&point.parameters);
     let arrive = |arc: usize| {
-        let dynamics = problem.dynamics_of(arc);
-        dynamics.advance(&gravity, &point.arcs[arc], time_s - epochs_s[arc])
+        let body = problem.body_of(arc);
+        flow::advance(body, &gravity, &point.arcs[arc], time_s - epochs_s[arc])
     };
     let sides = collision.sides.iter();
     let before = sides.map(|side| arrive(side.before));
@@ -52,7 +52,7 @@ fn after(
         let state = before.get(index)?;
         let body = match collision.sides.get(index) {
             Some(side) => {
-                let Dynamics::Free(body) = &problem.dynamics[side.mechanism];
+                let body = &problem.bodies[side.mechanism];
                 body
             }
             None => &Body::IMMOVABLE,

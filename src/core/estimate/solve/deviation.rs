@@ -85,7 +85,7 @@ fn undetermined_motion(
 ) -> Vec<Undetermined> {
     let mut undetermined = Vec::new();
     for (index, arc) in context.problem.arcs.iter().enumerate() {
-        let state = context.layout.state(context.problem, index);
+        let state = context.layout.state(index);
         let moments: Vec<Moment> = state.map(|at| vec![(at, 1.0)]).collect();
         for (of_part, part) in sds(&moments).chunks(3).zip(MotionPart::ALL) {
             let mechanism = arc.mechanism;

@@ -38,7 +38,7 @@ impl Solved {
         };
         let last = arcs.filter(|(arc, of)| is_last(*arc, of.mechanism));
         last.map(|(arc, of)| {
-            let unknowns: Vec<usize> = context.layout.state(problem, arc).collect();
+            let unknowns: Vec<usize> = context.layout.state(arc).collect();
             Some(LastState {
                 mechanism: of.mechanism,
                 mean: point.arcs[arc],

@@ -10,6 +10,7 @@ use crate::estimate::schedule::recipe::Solution;
 use crate::estimate::unknowns::layout::Layout;
 use crate::estimate::unknowns::point::Point;
 use crate::motion::Guess;
+use crate::physics::flow;
 
 /// Excess of the sum of squares that is no difference, in variances of a number.
 const EXCESS: f64 = 9.0;
@@ -54,8 +55,8 @@ fn are_different(problem: &Problem, one: (&Point, &Guess), other: (&Point, &Gues
     let gravity_m_s2 = problem.gravity(&one.0.parameters);
     (0..problem.arcs.len()).any(|arc| {
         let since_s = one.1.arcs[arc].epoch_s - other.1.arcs[arc].epoch_s;
-        let dynamics = problem.dynamics_of(arc);
-        let then = dynamics.advance(&gravity_m_s2, &other.0.arcs[arc], since_s);
+        let body = problem.body_of(arc);
+        let then = flow::advance(body, &gravity_m_s2, &other.0.arcs[arc], since_s);
         one.0.arcs[arc].minus(&then).amax() > SAME
     })
 }

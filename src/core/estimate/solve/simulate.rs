@@ -4,7 +4,7 @@
 use crate::estimate::problem::{ArcCollision, Problem};
 use crate::estimate::unknowns::point::Point;
 use crate::physics::impact::{Impact, Side};
-use crate::physics::{Body, Dynamics, State};
+use crate::physics::{Body, State, flow};
 
 /// Steps of the scan for a contact, in the time from the last event to this one in the motion from
 /// which it starts; and how many of these times are scanned.
@@ -54,9 +54,9 @@ pub(in crate::estimate) fn simulate(
                 angular_velocity_rad_s: after.angular_velocity_rad_s,
                 ..*before
             };
-            let dynamics = &problem.dynamics[side.mechanism];
+            let body = &problem.bodies[side.mechanism];
             let since_s = epochs_s[side.after] - time_s;
-            point.arcs[side.after] = dynamics.advance(&gravity, &state, since_s);
+            point.arcs[side.after] = flow::advance(body, &gravity, &state, since_s);
         }
     }
     Some(point)
@@ -92,14 +92,19 @@ impl Approach<'_> {
         let states = self.of.sides.iter().map(|side| {
             let since_s = time_s - self.epochs_s[side.before];
             let state = &self.point.arcs[side.before];
-            self.problem.dynamics[side.mechanism].advance(&gravity, state, since_s)
+            flow::advance(
+                &self.problem.bodies[side.mechanism],
+                &gravity,
+                state,
+                since_s,
+            )
         });
         let held = self.of.held.map(|held| self.held_at(held, time_s));
         let states: Vec<State> = states.chain(held).collect();
         let sides = states.iter().enumerate().map(|(index, state)| {
             let body = match self.of.sides.get(index) {
                 Some(side) => {
-                    let Dynamics::Free(body) = &self.problem.dynamics[side.mechanism];
+                    let body = &self.problem.bodies[side.mechanism];
                     body
                 }
                 None => &Body::IMMOVABLE,

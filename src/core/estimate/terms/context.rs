@@ -4,7 +4,6 @@ use super::samples::ArcSums;
 use crate::estimate::problem::{Problem, View};
 use crate::estimate::unknowns::layout::Layout;
 use crate::estimate::unknowns::point::Point;
-use crate::physics::Dynamics;
 
 /// The data that stay fixed while one problem is solved.
 #[derive(Clone, Debug)]
@@ -32,7 +31,7 @@ impl<'a> SolveContext<'a> {
             Vec::new()
         } else {
             let views = problem.views().map(|(arc, view)| {
-                let Dynamics::Free(body) = problem.dynamics_of(arc);
+                let body = problem.body_of(arc);
                 let (state, epoch_s) = (&point.arcs[arc], epochs_s[arc]);
                 view.is_plain.then(|| {
                     ArcSums::new(body, view, &point.node_times_s, epoch_s, state, &gravity)

@@ -13,7 +13,7 @@ use crate::math::{Pose, so3};
 use crate::motion::{MechanismIndex, TrackIndex};
 use crate::physics::contact::Contact;
 use crate::physics::impact::ContactSet;
-use crate::physics::{Drag, Dynamics};
+use crate::physics::{Body, Drag};
 
 /// How a tracker is mounted, corrected by parameters.
 #[derive(Clone, Copy, Debug)]
@@ -36,12 +36,9 @@ pub struct Mount {
 impl Problem {
     /// The equations of motion with free quantities taken from `parameters`; `None` where no body
     /// has such moments.
-    pub fn dynamics_at(
-        &self,
-        parameters: &[f64],
-    ) -> Option<Cow<'_, TiVec<MechanismIndex, Dynamics>>> {
-        let mut dynamics = Cow::Borrowed(&self.dynamics);
-        for (mechanism, Dynamics::Free(body)) in self.dynamics.iter_enumerated() {
+    pub fn bodies_at(&self, parameters: &[f64]) -> Option<Cow<'_, TiVec<MechanismIndex, Body>>> {
+        let mut bodies = Cow::Borrowed(&self.bodies);
+        for (mechanism, body) in self.bodies.iter_enumerated() {
             let mut force_m_s2 = body.force_m_s2();
             let mut drag: Drag = body.drag();
             let (mut mass, mut moments) = (1.0, Vector3::repeat(1.0));
@@ -68,10 +65,10 @@ impl Problem {
             if is_changed {
                 let body = body.with_factors(mass, &moments).ok()?;
                 let body = body.with_force(force_m_s2).ok()?.with_drag(drag).ok()?;
-                dynamics.to_mut()[mechanism] = Dynamics::Free(body);
+                bodies.to_mut()[mechanism] = body;
             }
         }
-        Some(dynamics)
+        Some(bodies)
     }
 
     /// How the tracker of a track that sees an arc is mounted, with free quantities taken from `parameters`.

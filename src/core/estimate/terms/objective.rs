@@ -16,7 +16,6 @@ use crate::estimate::problem::View;
 use crate::estimate::unknowns::point::Point;
 use crate::optimise::System;
 use crate::optimise::envelope::{Envelope, Pattern};
-use crate::physics::Dynamics;
 use crate::physics::state::{StateTangent, part};
 
 /// The objective while its terms are being added: value, gradient and Gauss–Newton Hessian.
@@ -57,7 +56,7 @@ impl<'a> Objective<'a> {
         let (problem, layout) = (self.context.problem, self.context.layout);
         let gravity = problem.gravity(&self.point.parameters);
         for (number, (index, view)) in problem.views().enumerate() {
-            let Dynamics::Free(body) = problem.dynamics_of(index);
+            let body = problem.body_of(index);
             let flight = (&self.point.arcs[index], self.context.epochs_s[index]);
             if let Some(Some(sums)) = self.context.sums.get(number) {
                 let times_s = &self.point.node_times_s;
@@ -77,11 +76,11 @@ impl<'a> Objective<'a> {
     fn add_general(&mut self, index: usize, view: &View, gravity_m_s2: &Vector3<f64>) {
         let (problem, layout) = (self.context.problem, self.context.layout);
         let arc = &problem.arcs[index];
-        let Some(dynamics) = problem.dynamics_at(&self.point.parameters) else {
+        let Some(bodies) = problem.bodies_at(&self.point.parameters) else {
             *self.cost = f64::INFINITY;
             return;
         };
-        let Dynamics::Free(body) = &dynamics[arc.mechanism];
+        let body = &bodies[arc.mechanism];
         let flight = (&self.point.arcs[index], self.context.epochs_s[index]);
         let parameters = &self.point.parameters;
         let of = (index, view);
@@ -90,7 +89,7 @@ impl<'a> Objective<'a> {
         let stride = self.guidance.stride(view);
         let samples = (0..view.samples.len()).skip(stride / 2).step_by(stride);
         let weight = view.samples.len() as f64 / samples.len().max(1) as f64;
-        let state = layout.state(problem, index);
+        let state = layout.state(index);
         let acting = arc.acting.iter().map(|a| layout.parameters[a.parameter]);
         let own: Vec<usize> = state.chain(acting).collect();
         // What all samples have in common is summed before it goes to its places.

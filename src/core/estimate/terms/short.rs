@@ -21,14 +21,14 @@ use super::samples::{self, Between, TimeTerms};
 use crate::estimate::problem::influence::Influence;
 use crate::estimate::problem::{ArcSample, Problem, Shows, View};
 use crate::estimate::unknowns::point::Point;
-use crate::physics::{Body, Dynamics};
+use crate::physics::Body;
 
 impl Problem {
     /// Whether the short forms serve for a view: its arc is a parabola on which at most gravity acts,
     /// and of what it shows nothing else is free but times.
     pub(in crate::estimate) fn is_short(&self, index: usize, view: &View) -> bool {
         let arc = &self.arcs[index];
-        let Dynamics::Free(body) = self.dynamics_of(index);
+        let body = self.body_of(index);
         // The sums of levers and of covariances know no free gravity.
         let knows_gravity = self.has_no_lever(view) && view.whitenings.is_empty();
         let mut acting = arc.acting.iter().filter(|acting| acting.is_on(view.track));

@@ -5,6 +5,7 @@ use crate::estimate::constraint::{At, Constraint};
 use crate::estimate::problem::arc_condition::Rows;
 use crate::motion::{Axes, BodyPoint, Condition, GoalQuantity, GoalSet, Moment};
 use crate::optimise::block::{Block, BlockPattern};
+use crate::physics::flow;
 
 /// Quantities at the bounce and at the end, of one body and of two.
 fn quantities(is_meeting: bool) -> Vec<(usize, LinkIndex, Moment, GoalQuantity)> {
@@ -140,11 +141,12 @@ fn distance(scene: &Scene, (segments, guess): (&[Segment], &Guess), goal: &Goal)
             segment.mechanism == mechanism && event == Some(goal.event)
         })?;
         let since_s = guess.event_times_s[goal.event] - arc.epoch_s;
-        Some(
-            scene
-                .dynamics(mechanism)
-                .advance(&scene.gravity_m_s2, &arc.state, since_s),
-        )
+        Some(flow::advance(
+            scene.body_of(mechanism),
+            &scene.gravity_m_s2,
+            &arc.state,
+            since_s,
+        ))
     };
     let found = scene.condition_distance(goal, condition, &time_of, &state_of);
     found.expect("a flight and a touch")

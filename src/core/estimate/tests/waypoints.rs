@@ -5,6 +5,7 @@ use crate::estimate::posing::waypoint;
 use crate::estimate::problem::arc_condition::ArcCondition;
 use crate::estimate::problem::{Arc, Ordered, TimeSide, Waypoint};
 use crate::motion::{BodyPoint, Condition, GoalQuantity, GoalSet, Moment};
+use crate::physics::flow;
 
 const UNKNOWN: Timing = Timing::Unknown {
     tempo_sd_per_sqrt_s: 0.5,

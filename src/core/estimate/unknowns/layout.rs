@@ -74,7 +74,7 @@ impl Layout {
                 }
             }
             for arc in here {
-                arcs[arc] = take(problem.dimension(arc));
+                arcs[arc] = take(state::DIMENSION);
             }
             for (at, of) in held.iter_mut().zip(&problem.held) {
                 if event == Some(of.event) && group == owner(of.event) {
@@ -125,8 +125,8 @@ impl Layout {
     }
 
     /// Unknowns that hold an arc's state.
-    pub fn state(&self, problem: &Problem, arc: usize) -> Range<usize> {
-        self.arcs[arc]..self.arcs[arc] + problem.dimension(arc)
+    pub fn state(&self, arc: usize) -> Range<usize> {
+        self.arcs[arc]..self.arcs[arc] + state::DIMENSION
     }
 
     /// Unknowns that hold components of gravity.
@@ -155,7 +155,7 @@ impl Layout {
         };
         let gravity = self.gravity(problem);
         for (index, arc) in problem.arcs.iter().enumerate() {
-            let mut members: Vec<usize> = self.state(problem, index).collect();
+            let mut members: Vec<usize> = self.state(index).collect();
             members.extend(&gravity);
             let acting = arc.acting.iter().map(|a| self.parameters[a.parameter]);
             members.extend(acting);
@@ -201,7 +201,7 @@ impl Layout {
 /// For every mechanism its group, numbered from zero: mechanisms at one event are in one group, and all
 /// mechanisms are where their samples share unknown times.
 fn groups(problem: &Problem) -> TiVec<MechanismIndex, usize> {
-    let mut groups: TiVec<MechanismIndex, usize> = (0..problem.dynamics.len()).collect();
+    let mut groups: TiVec<MechanismIndex, usize> = (0..problem.bodies.len()).collect();
     let mut join = |members: &[MechanismIndex]| {
         let Some(first) = members.iter().map(|one| groups[*one]).min() else {
             return;
@@ -214,7 +214,7 @@ fn groups(problem: &Problem) -> TiVec<MechanismIndex, usize> {
         }
     };
     if problem.times_are_unknown() {
-        join(&problem.dynamics.keys().collect::<Vec<_>>());
+        join(&problem.bodies.keys().collect::<Vec<_>>());
     }
     for (event, is_free) in problem.event_is_free.iter().enumerate() {
         let at = |arc: &&Arc| arc.end == Some(event) || arc.start == Some(event);

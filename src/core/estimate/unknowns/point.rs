@@ -6,7 +6,7 @@ use super::layout::Layout;
 use crate::estimate::problem::Problem;
 use crate::motion::{ArcGuess, Guess};
 use crate::physics::State;
-use crate::physics::state;
+use crate::physics::state::{self, StateTangent};
 
 /// Values of all unknowns.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,8 +80,8 @@ impl Point {
         delta: &DVector<f64>,
     ) {
         for (arc, (state, from)) in self.arcs.iter_mut().zip(&origin.arcs).enumerate() {
-            let delta = &delta.as_slice()[layout.state(problem, arc)];
-            *state = problem.dynamics_of(arc).retract(from, delta);
+            let delta = &delta.as_slice()[layout.state(arc)];
+            *state = from.retract(&StateTangent::from_column_slice(delta));
         }
         let held = self.held.iter_mut().zip(&origin.held);
         for ((state, from), at) in held.zip(&layout.held) {

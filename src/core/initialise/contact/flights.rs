@@ -4,8 +4,8 @@ use super::fitted::Fitted;
 use crate::math::{Pose, so3};
 use crate::motion::held::Mounted;
 use crate::motion::{Goal, GoalTarget, Guess, HeldMotion, LinkIndex, Scene, Seen, Segment, Sketch};
-use crate::physics::State;
 use crate::physics::contact::Frame;
+use crate::physics::{State, flow};
 
 /// The arc fits that end or begin at a collision.
 pub(super) struct ContactFlights<'a> {
@@ -32,7 +32,7 @@ impl Fitted for ContactFlights<'_> {
             return 0.0;
         }
         let radius_m = self.scene.links[link].shape.radius_m();
-        let dynamics = self.scene.dynamics(self.scene.mechanism_of(link));
+        let body = self.scene.body_of(self.scene.mechanism_of(link));
         let (mut shift_m2, mut turn_rad2, mut count) = (0.0, 0.0, 0.0);
         for arc in [true, false]
             .map(|ends| self.arc(link, ends))
@@ -52,7 +52,7 @@ impl Fitted for ContactFlights<'_> {
                 };
                 let gravity = &self.scene.gravity_m_s2;
                 let duration_s = time_s - fit.epoch_s;
-                let state = dynamics.advance(gravity, &fit.state, duration_s);
+                let state = flow::advance(body, gravity, &fit.state, duration_s);
                 shift_m2 += (state.position_m - position_m).norm_squared();
                 let turn = so3::log(&(orientation.inverse() * state.orientation));
                 turn_rad2 += turn.norm_squared();
@@ -105,9 +105,9 @@ impl ContactFlights<'_> {
         let fit = &self.guess.arcs[arc];
         let mechanism = self.segments[arc].mechanism;
         let link = self.scene.free_link(mechanism);
-        let dynamics = self.scene.dynamics(mechanism);
+        let body = self.scene.body_of(mechanism);
         let advance = |state: &State, duration_s: f64| {
-            dynamics.advance(&self.scene.gravity_m_s2, state, duration_s)
+            flow::advance(body, &self.scene.gravity_m_s2, state, duration_s)
         };
         let duration_s = self.guess.event_times_s[self.event] - fit.epoch_s;
         let mut at_event = advance(&fit.state, duration_s);

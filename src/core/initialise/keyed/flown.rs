@@ -5,7 +5,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use crate::initialise::ballistic::Place;
 use crate::initialise::turn::OrientationReading;
 use crate::motion::{MechanismIndex, Scene, Seen, Segment, Sketch};
-use crate::physics::State;
+use crate::physics::{State, flow};
 
 /// A flight on its own clock: state at an epoch.
 #[derive(Clone, Copy, Debug)]
@@ -17,8 +17,13 @@ pub(super) struct KeyedFlight {
 impl KeyedFlight {
     /// The state at a time on its clock.
     pub(super) fn at(&self, scene: &Scene, mechanism: MechanismIndex, time_s: f64) -> State {
-        let dynamics = scene.dynamics(mechanism);
-        dynamics.advance(&scene.gravity_m_s2, &self.state, time_s - self.epoch_s)
+        let body = scene.body_of(mechanism);
+        flow::advance(
+            body,
+            &scene.gravity_m_s2,
+            &self.state,
+            time_s - self.epoch_s,
+        )
     }
 }
 

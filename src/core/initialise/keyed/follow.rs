@@ -10,10 +10,10 @@ use crate::initialise::ballistic::{self, Place};
 use crate::initialise::turn::OrientationReading;
 use crate::math::so3;
 use crate::motion::{MechanismIndex, Observer, Partner, Scene, Segment, Sketch, Timing};
+use crate::physics::State;
 use crate::physics::contact::Frame;
 use crate::physics::impact::{ContactSet, Law, Side};
 use crate::physics::state::DIMENSION;
-use crate::physics::{Dynamics, State};
 
 /// Greatest number of ways that are followed.
 const WAYS: usize = 64;
@@ -219,7 +219,7 @@ impl<'a> KeyedCourse<'a> {
         let [first, .., last] = samples else {
             return Vec::new();
         };
-        let Dynamics::Free(body) = self.scene.dynamics(self.mechanism);
+        let body = self.scene.body_of(self.mechanism);
         let epoch_s = 0.5 * (first.acted_s + last.acted_s);
         let pull_m_s2 = body.pull_m_s2(&self.scene.gravity_m_s2);
         let parts = &self.parts[flight];
@@ -380,7 +380,7 @@ impl<'a> KeyedCourse<'a> {
         let at = |time_s: f64| flown.at(self.scene, self.mechanism, time_s);
         let (time_s, gap_m) = self.touch(hit, &at, &flown, from_s, to_s)?;
         let before = at(time_s);
-        let Dynamics::Free(body) = self.scene.dynamics(self.mechanism);
+        let body = self.scene.body_of(self.mechanism);
         let side = Side {
             body: &body,
             state: &before,

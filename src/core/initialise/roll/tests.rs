@@ -1,6 +1,7 @@
 use super::*;
 use crate::motion::ArcGuess;
 use crate::physics::contact::{Contact, Feature};
+use crate::physics::flow;
 use crate::physics::impact::{ContactSet, Law, Side};
 
 const SCENE: &str = include_str!("../../../../config/die.toml");
@@ -68,10 +69,10 @@ fn a_flight_goes_on_as_the_one_before_and_shows_the_same() {
         angular_velocity_rad_s: Vector3::new(5.0, -3.0, 6.0),
         ..State::at_rest()
     };
-    let dynamics = scene.dynamics(MechanismIndex(0));
+    let body = scene.body_of(MechanismIndex(0));
     let arc = |epoch_s: f64| ArcGuess {
         epoch_s,
-        state: dynamics.advance(&scene.gravity_m_s2, &state, epoch_s),
+        state: flow::advance(body, &scene.gravity_m_s2, &state, epoch_s),
         sample_times_s: Vec::new(),
     };
     let mut arcs = vec![arc(-0.3), arc(0.4)];

@@ -6,6 +6,7 @@ use super::whole::Scene;
 use crate::motion::estimate::Estimate;
 use crate::motion::held::HeldEstimate;
 use crate::motion::index::{LinkIndex, MechanismIndex};
+use crate::physics::flow;
 use crate::physics::tree::{Forest, Hand, Tree, TreeState};
 
 impl Scene {
@@ -113,8 +114,8 @@ impl Scene {
                 let mut own = arcs.filter(|arc| arc.mechanism == mechanism);
                 let arc = own.rfind(|arc| arc.start_s <= time_s)?;
                 let since_s = time_s - arc.epoch_s;
-                let flown = self.dynamics(mechanism);
-                let state = flown.advance(gravity_m_s2, &arc.state, since_s);
+                let flown = self.body_of(mechanism);
+                let state = flow::advance(flown, gravity_m_s2, &arc.state, since_s);
                 Some(TreeState::of_body(&state))
             }
             Mechanism::Tree(_) => {

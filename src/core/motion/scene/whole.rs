@@ -13,7 +13,7 @@ use super::weights::{Performer, Weighing, Weights};
 use super::world::{Against, Obstacle, Surface};
 use crate::math::Pose;
 use crate::motion::index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
-use crate::physics::Dynamics;
+use crate::physics::Body;
 use crate::physics::impact::Law;
 
 /// Everything that is known about a performance before it is seen.
@@ -263,12 +263,12 @@ impl Scene {
         })
     }
 
-    /// The equations of motion of a body by itself.
+    /// The body that moves by itself as a mechanism.
     ///
     /// # Panics
     /// Of a tree; see [`Scene::tree_model`].
-    pub fn dynamics(&self, mechanism: MechanismIndex) -> Dynamics {
-        Dynamics::Free(self.links[self.free_link(mechanism)].body)
+    pub fn body_of(&self, mechanism: MechanismIndex) -> &Body {
+        &self.links[self.free_link(mechanism)].body
     }
 
     /// Streams of poses that a track has: one; in an edited sketch one per segment, and the

@@ -11,8 +11,8 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::flights::CredibleFlight;
 use crate::motion::{Estimate, Scene};
+use crate::physics::Body;
 use crate::physics::flow::Fall;
-use crate::physics::{Body, Dynamics};
 
 /// Sums over flights that have enough samples.
 #[derive(Clone, Debug, Default)]
@@ -96,7 +96,7 @@ pub(super) fn fitted(
     estimate: &Estimate,
     flight: &CredibleFlight,
 ) -> Option<AloneFit> {
-    let Dynamics::Free(body) = scene.dynamics(flight.arc.mechanism);
+    let body = scene.body_of(flight.arc.mechanism);
     if body.is_ballistic() {
         ballistic(flight, &body.pull_m_s2(&estimate.gravity_m_s2))
     } else {

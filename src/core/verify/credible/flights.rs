@@ -5,7 +5,6 @@ use nalgebra::Vector3;
 use crate::motion::{
     ArcEstimate, Estimate, Place, SampleTime, Scene, Seen, SegmentResidual, Sketch,
 };
-use crate::physics::Dynamics;
 use crate::physics::flow::{Fall, Spin};
 
 /// A sample of a flight.
@@ -52,7 +51,7 @@ pub(super) fn flights<'a>(
         .map(|residual| {
             let arc = &estimate.arcs[residual.arc];
             let point_m = scene.tracks[residual.track].point_m();
-            let Dynamics::Free(body) = scene.dynamics(arc.mechanism);
+            let body = scene.body_of(arc.mechanism);
             let mut fall = Fall::new(&body, &estimate.gravity_m_s2, &arc.state);
             let mut spin = Spin::new(&body, &arc.state.angular_velocity_rad_s);
             let (times, after) = rest.split_at(residual.samples.min(rest.len()));

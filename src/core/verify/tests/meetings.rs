@@ -6,6 +6,7 @@ use crate::motion::{
 };
 use crate::physics::Shape;
 use crate::physics::contact::{Feature, Frame};
+use crate::physics::flow;
 
 const TIME_S: f64 = 0.4;
 
@@ -22,8 +23,8 @@ fn about(scene: &Scene, law: &Law, mut before: Vec<State>) -> Estimate {
     let mut arcs = Vec::new();
     for (link, (before, after)) in collision.links().zip(before.iter().zip(&after)) {
         let mechanism = scene.mechanism_of(link);
-        let dynamics = scene.dynamics(mechanism);
-        let start = dynamics.advance(&scene.gravity_m_s2, before, -TIME_S);
+        let body = scene.body_of(mechanism);
+        let start = flow::advance(body, &scene.gravity_m_s2, before, -TIME_S);
         arcs.push(arc(mechanism, start, 0.0, TIME_S));
         arcs.push(arc(mechanism, *after, TIME_S, 0.7));
     }

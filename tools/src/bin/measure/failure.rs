@@ -15,8 +15,9 @@ use std::time::Instant;
 use anyhow::Result;
 use enact::estimate::schedule::recipe::{self, Recipe};
 use enact::optimise::finish::Tolerances;
-use enact::physics::Dynamics;
+use enact::physics::Body;
 use enact::physics::body::Symmetry;
+use enact::physics::flow;
 use rayon::prelude::*;
 
 use crate::figure::{Axis, Curve, Figure, Mark};
@@ -55,9 +56,9 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
 fn figure(trouble: &Trouble, asked: &[&Asked], quick: bool) -> Figure {
     let mut tasks = asked.iter().filter_map(|a| a.task.as_ref());
     let is_known = tasks.all(|task| !task.problem.times_are_unknown());
-    let is_closed = |Dynamics::Free(body): &Dynamics| body.symmetry() != Symmetry::Asymmetric;
+    let is_closed = |body: &Body| body.symmetry() != Symmetry::Asymmetric;
     let mut tasks = asked.iter().filter_map(|a| a.task.as_ref());
-    let is_closed = tasks.all(|task| task.problem.dynamics.iter().all(is_closed));
+    let is_closed = tasks.all(|task| task.problem.bodies.iter().all(is_closed));
     let evaluations = EVALUATIONS / if is_closed { 1 } else { SHARE } / if quick { 100 } else { 1 };
     let methods = methods(is_known, evaluations);
     let mut rates = rates(trouble, asked, &methods);
@@ -210,11 +211,11 @@ fn succeeds_raw(asked: &Asked) -> bool {
     from.event_times_s.clone_from(&rough.point.event_times_s);
     for (index, arc) in from.arcs.iter_mut().enumerate() {
         let of = &task.problem.arcs[index];
-        let dynamics = &task.problem.dynamics[of.mechanism];
+        let body = &task.problem.bodies[of.mechanism];
         let gravity = task.problem.gravity(&rough.point.parameters);
         let past_s = arc.epoch_s - guess.arcs[index].epoch_s;
         let state = &rough.point.arcs[index];
-        arc.state = dynamics.advance(&gravity, state, past_s);
+        arc.state = flow::advance(body, &gravity, state, past_s);
     }
     let one = Task {
         guesses: vec![from],

@@ -4,6 +4,7 @@
 use anyhow::Result;
 use enact::math::{Pose, so3};
 use enact::motion::{Fits, Held, Sample, Stamp, TrackSketch, Verdict};
+use enact::physics::flow;
 use enact::pipeline::Pipeline;
 use enact::segment::smooth::smoothed;
 use enact_tools::perform::held::{Game, HeldTake, Seen, Swing, play};
@@ -323,9 +324,9 @@ fn judged(seed: u64, take: &HeldTake) -> Played {
         let Some(arc) = estimate.arcs.get(hit + 1) else {
             continue;
         };
-        let dynamics = outcome.scene.dynamics(arc.mechanism);
+        let body = outcome.scene.body_of(arc.mechanism);
         let since_s = take.hits_s[hit] - arc.epoch_s;
-        let state = dynamics.advance(&estimate.gravity_m_s2, &arc.state, since_s);
+        let state = flow::advance(body, &estimate.gravity_m_s2, &arc.state, since_s);
         let off = state.minus(truth);
         played.places_m.push(off.fixed_rows::<3>(0).norm());
         played.velocities_m_s.push(off.fixed_rows::<3>(6).norm());

@@ -7,7 +7,7 @@ use enact::estimate::schedule::recipe::{self, Recipe};
 use enact::motion::{Guess, Sketch, Stamp, TakeEvent};
 use enact::optimise::Schedule;
 use enact::optimise::finish::Tolerances;
-use enact::physics::State;
+use enact::physics::{State, flow};
 use nalgebra::Vector3;
 
 use enact_tools::case::{Case, Posed, is_bent};
@@ -92,11 +92,11 @@ impl Posing {
         let true_gravity_m_s2 = problem.gravity(&self.truth.parameters);
         let apart = states.zip(&self.truth.arcs).zip(&problem.arcs);
         let apart = apart.map(|(((epoch_s, state), truth), arc)| {
-            let dynamics = &problem.dynamics[arc.mechanism];
+            let body = &problem.bodies[arc.mechanism];
             let middle_s = truth.sample_times_s[truth.sample_times_s.len() / 2];
-            let own = dynamics.advance(gravity_m_s2, &state, middle_s - epoch_s);
+            let own = flow::advance(body, gravity_m_s2, &state, middle_s - epoch_s);
             let there = middle_s - truth.epoch_s;
-            let other = dynamics.advance(&true_gravity_m_s2, &truth.state, there);
+            let other = flow::advance(body, &true_gravity_m_s2, &truth.state, there);
             1e3 * (own.position_m - other.position_m).norm()
         });
         let largest = apart.fold(0.0, f64::max);

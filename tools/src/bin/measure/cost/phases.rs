@@ -9,7 +9,6 @@ use enact::estimate::problem::ArcSample;
 use enact::estimate::terms::samples::{self, TimeTerms};
 use enact::estimate::unknowns::point::Point;
 use enact::motion::Phase;
-use enact::physics::Dynamics;
 use serde::Serialize;
 
 use super::bouncing;
@@ -161,7 +160,7 @@ fn floor_s(case: &Case, quick: bool) -> f64 {
     let gravity = problem.gravity(&point.parameters);
     let evaluate = || {
         for (index, view) in problem.views() {
-            let Dynamics::Free(body) = problem.dynamics_of(index);
+            let body = problem.body_of(index);
             let flight = (&point.arcs[index], guess.arcs[index].epoch_s);
             let time_s = |sample: &ArcSample| sample.time_s(&point.node_times_s);
             let each = |sample: &ArcSample, terms: &TimeTerms| {

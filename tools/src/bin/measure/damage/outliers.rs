@@ -8,6 +8,7 @@ use anyhow::Result;
 use enact::motion::{
     ArcEstimate, DropReason, Scene, Stamp, TakeEvent, Timing, TrackIndex, Verdict,
 };
+use enact::physics::flow;
 use enact::pipeline::Outcome;
 use enact::segment::clean::clean;
 use serde_json::json;
@@ -170,12 +171,10 @@ fn apart_m(case: &Case, with: &Outcome, without: &Outcome) -> f64 {
     let apart = arcs.map(|(a, b)| {
         let middle_s = 0.5 * (b.start_s + b.end_s);
         let at = |arc: &ArcEstimate| {
-            let dynamics = case.scene().dynamics(arc.mechanism);
+            let body = case.scene().body_of(arc.mechanism);
             let gravity_m_s2 = &with.estimate.gravity_m_s2;
             let since_s = middle_s - arc.epoch_s;
-            dynamics
-                .advance(gravity_m_s2, &arc.state, since_s)
-                .position_m
+            flow::advance(body, gravity_m_s2, &arc.state, since_s).position_m
         };
         (at(a) - at(b)).norm()
     });

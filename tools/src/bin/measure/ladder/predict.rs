@@ -15,7 +15,8 @@ use enact::estimate::unknowns::layout::Layout;
 use enact::estimate::unknowns::point::Point;
 use enact::math::{Pose, so3};
 use enact::motion::{MechanismIndex, Quantity, Scene, Stamp, TrackIndex};
-use enact::physics::State;
+use enact::physics::state::StateTangent;
+use enact::physics::{State, flow};
 use enact::pipeline::Outcome;
 use enact::segment;
 
@@ -69,8 +70,8 @@ impl Seen {
 
     fn pose(&self, outcome: &Outcome, arc: usize, stamp: Stamp) -> Pose {
         let flown_s = self.time_s(outcome, stamp) - outcome.estimate.arcs[arc].epoch_s;
-        let dynamics = self.scene.dynamics(BODY);
-        let state = dynamics.advance(&self.scene.gravity_m_s2, &self.states[arc], flown_s);
+        let body = self.scene.body_of(BODY);
+        let state = flow::advance(body, &self.scene.gravity_m_s2, &self.states[arc], flown_s);
         state.world_from_body() * self.scene.tracks[TRACK].link_from_tracker
     }
 }
@@ -175,12 +176,12 @@ fn moments(
         }
     };
     for arc in 0..seen.states.len() {
-        for (index, unknown) in layout.state(problem, arc).enumerate() {
+        for (index, unknown) in layout.state(arc).enumerate() {
             let moved = |by: f64| {
-                let mut delta = vec![0.0; problem.dimension(arc)];
+                let mut delta = StateTangent::zeros();
                 delta[index] = by;
                 let mut states = seen.states.clone();
-                states[arc] = problem.dynamics_of(arc).retract(&states[arc], &delta);
+                states[arc] = states[arc].retract(&delta);
                 Seen {
                     scene: seen.scene.clone(),
                     states,
