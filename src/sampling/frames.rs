@@ -114,8 +114,8 @@ fn free_frames(
     let mut flights: Vec<(&ArcEstimate, Fall, Spin)> = arcs
         .into_iter()
         .map(|arc| {
-            let fall = Fall::new(&body, &estimate.gravity_m_s2, &arc.state);
-            let spin = Spin::new(&body, &arc.state.angular_velocity_rad_s);
+            let fall = Fall::new(body, &estimate.gravity_m_s2, &arc.state);
+            let spin = Spin::new(body, &arc.state.angular_velocity_rad_s);
             (arc, fall, spin)
         })
         .collect();

@@ -105,20 +105,20 @@ pub fn guess(
         let turns = readings.turns.iter();
         let turns = turns.map(|(acted_s, turn)| (time_line.at(*acted_s) - epoch_s, *turn));
         let turns: Vec<OrientationReading> = turns.collect();
-        let turn = turn::fit(&body, &turns);
+        let turn = turn::fit(body, &turns);
         fit_iterations += turn.iterations;
         let count = turns.len() as f64;
         let mut all = vec![turn];
         if let Some((axis, shown)) = &readings.pointed {
             let since = |(acted_s, way): &Place| (time_line.at(*acted_s) - epoch_s, *way);
             let shown: Vec<Place> = shown.iter().map(since).collect();
-            let (found, iterations) = pointing::fits(&body, axis, &shown, turn);
+            let (found, iterations) = pointing::fits(body, axis, &shown, turn);
             fit_iterations += iterations;
             all = found;
         } else if !observer.should_stop()
             && turn.square_rad2 > count * AMBIGUOUS_RMS_RAD * AMBIGUOUS_RMS_RAD
         {
-            let (others, iterations) = turn::alternatives(&body, &turns, turn, observer);
+            let (others, iterations) = turn::alternatives(body, &turns, turn, observer);
             fit_iterations += iterations;
             all = others;
         }

@@ -63,7 +63,7 @@ impl Readings {
             let axes = axes(&points, directions);
             readings.turns = turns(&axes);
             let body = scene.body_of(segment.mechanism);
-            readings.pointed = alone(&axes).filter(|(axis, _)| !is_symmetry_axis(&body, axis));
+            readings.pointed = alone(&axes).filter(|(axis, _)| !is_symmetry_axis(body, axis));
         }
         readings.add_points(&points);
         readings.places.sort_by(|a, b| a.0.total_cmp(&b.0));

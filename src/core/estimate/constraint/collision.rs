@@ -216,10 +216,7 @@ fn sides<'a>(
     [0, 1].map(|side: usize| {
         let state = &before[side].as_ref()?.state;
         let body = match collision.sides.get(side) {
-            Some(side) => {
-                let body = &problem.bodies[side.mechanism];
-                body
-            }
+            Some(side) => &problem.bodies[side.mechanism],
             None => &Body::IMMOVABLE,
         };
         Some(impact::Side { body, state })

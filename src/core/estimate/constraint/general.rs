@@ -93,10 +93,7 @@ pub(super) fn fill(
         .collect::<Option<_>>()?;
     let by_state: Vec<ByStates> = before.iter().map(GeneralArrival::by_state).collect();
     let bodies = problem.bodies_at(parameters)?;
-    let body = |mechanism: MechanismIndex| {
-        let body = &bodies[mechanism];
-        body
-    };
+    let body = |mechanism: MechanismIndex| &bodies[mechanism];
     let side = |index: usize| {
         let of = collision.sides.get(index);
         Some(impact::Side {

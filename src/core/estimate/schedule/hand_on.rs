@@ -51,10 +51,7 @@ fn after(
     let side = |index: usize| {
         let state = before.get(index)?;
         let body = match collision.sides.get(index) {
-            Some(side) => {
-                let body = &problem.bodies[side.mechanism];
-                body
-            }
+            Some(side) => &problem.bodies[side.mechanism],
             None => &Body::IMMOVABLE,
         };
         Some(Side { body, state })

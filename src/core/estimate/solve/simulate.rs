@@ -103,10 +103,7 @@ impl Approach<'_> {
         let states: Vec<State> = states.chain(held).collect();
         let sides = states.iter().enumerate().map(|(index, state)| {
             let body = match self.of.sides.get(index) {
-                Some(side) => {
-                    let body = &self.problem.bodies[side.mechanism];
-                    body
-                }
+                Some(side) => &self.problem.bodies[side.mechanism],
                 None => &Body::IMMOVABLE,
             };
             Side { body, state }

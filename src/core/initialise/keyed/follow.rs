@@ -237,7 +237,7 @@ impl<'a> KeyedCourse<'a> {
             .map(|(acted_s, turn)| (acted_s - epoch_s, turn))
             .collect();
         readings.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let turns = turns::turns(&body, &readings).into_iter();
+        let turns = turns::turns(body, &readings).into_iter();
         turns
             .map(|turn| KeyedFlight {
                 epoch_s,
@@ -382,7 +382,7 @@ impl<'a> KeyedCourse<'a> {
         let before = at(time_s);
         let body = self.scene.body_of(self.mechanism);
         let side = Side {
-            body: &body,
+            body,
             state: &before,
         };
         let impact = hit.contacts.impact(&side, None, &hit.law).ok()?;

@@ -100,7 +100,7 @@ pub(super) fn fitted(
     if body.is_ballistic() {
         ballistic(flight, &body.pull_m_s2(&estimate.gravity_m_s2))
     } else {
-        dragged(flight, &body, &estimate.gravity_m_s2)
+        dragged(flight, body, &estimate.gravity_m_s2)
     }
 }
 

@@ -52,8 +52,8 @@ pub(super) fn flights<'a>(
             let arc = &estimate.arcs[residual.arc];
             let point_m = scene.tracks[residual.track].point_m();
             let body = scene.body_of(arc.mechanism);
-            let mut fall = Fall::new(&body, &estimate.gravity_m_s2, &arc.state);
-            let mut spin = Spin::new(&body, &arc.state.angular_velocity_rad_s);
+            let mut fall = Fall::new(body, &estimate.gravity_m_s2, &arc.state);
+            let mut spin = Spin::new(body, &arc.state.angular_velocity_rad_s);
             let (times, after) = rest.split_at(residual.samples.min(rest.len()));
             rest = after;
             let readings = times.iter().filter_map(|time| {

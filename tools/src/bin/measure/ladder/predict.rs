@@ -156,7 +156,7 @@ pub fn deviations(outcome: &Outcome, stamps: &[Stamp]) -> Option<Deviations> {
 /// The components of every pose as linear combinations of unknowns.
 fn moments(
     outcome: &Outcome,
-    (problem, layout): (&Problem, &Layout),
+    (_problem, layout): (&Problem, &Layout),
     stamps: &[Stamp],
 ) -> Option<Vec<[Moment; 6]>> {
     let seen = Seen::estimated(outcome);
