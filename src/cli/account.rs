@@ -32,8 +32,8 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
     let mut text = format!(
         "{}: {}, {}, {}{}\n",
         plain(&report.recording),
-        coloured(estimate.verdict, style),
-        fit_words(estimate.fits, estimate.is_fit_tested),
+        coloured(&estimate.verdict, style),
+        fit_words(&estimate.fits, estimate.is_fit_tested),
         if estimate.determined {
             "determined"
         } else {
@@ -126,7 +126,7 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
 /// What may be wrong, its likely value and how much of the misfit goes with it.
 fn suspect_words(what: &str, suspect: &SuspectLine, explains: &str) -> String {
     let values = suspect.quantities.iter().map(|(name, value)| {
-        let (factor, unit) = for_people(suspect.unit);
+        let (factor, unit) = for_people(&suspect.unit);
         format!("{name} {:.3} {unit}", value * factor)
             .trim_end()
             .to_owned()

@@ -29,7 +29,7 @@ impl Summary {
         };
         self.rows.push(vec![
             plain(&report.recording).into_owned(),
-            estimate.verdict.to_owned(),
+            estimate.verdict.clone(),
             format!("{:.2} mm", estimate.residual_mm),
             format!("{:.2}°", estimate.residual_deg),
             what.to_owned(),

@@ -1,8 +1,9 @@
 //! What to try next, by what an estimate says of itself.
 
 use super::input::Page;
-use super::said::{Said, Suspect};
+use super::markup::{known, likely_values};
 use super::svg::{escaped, worded};
+use crate::report::{EstimateReport, SuspectLine};
 
 /// The most that is advised at once.
 const MOST: usize = 7;
@@ -14,7 +15,7 @@ const EXPECTED: [&str; 3] = ["before_start", "after_end", "near_collision"];
 const LEFT_OUT: f64 = 0.1;
 
 /// Advice as HTML, the most urgent first.
-pub(super) fn advice(page: &Page, said: &Said) -> Vec<String> {
+pub(super) fn advice(page: &Page, said: &EstimateReport) -> Vec<String> {
     let mut all = Vec::new();
     if !page.lost.is_empty() {
         all.push(format!(
@@ -69,6 +70,7 @@ pub(super) fn advice(page: &Page, said: &Said) -> Vec<String> {
     }
     let at_bounds = said
         .parameters
+        .0
         .iter()
         .filter(|(_, of)| of.at_bound.is_some());
     let at_bounds: Vec<String> = at_bounds.map(|(name, _)| name.clone()).collect();
@@ -96,9 +98,9 @@ pub(super) fn advice(page: &Page, said: &Said) -> Vec<String> {
             code(&lie.asked)
         )
     }));
-    let left_out = said.samples.dropped.iter();
+    let left_out = said.samples.dropped.0.iter();
     let left_out = left_out.filter(|(reason, _)| !EXPECTED.contains(&reason.as_str()));
-    let left_out = left_out.fold(0u64, |sum, (_, count)| sum.saturating_add(*count));
+    let left_out = left_out.fold(0usize, |sum, (_, count)| sum.saturating_add(*count));
     if left_out as f64 > LEFT_OUT * said.samples.read as f64 {
         all.push(format!(
             "{left_out} of {} samples could not be used; at the end of this page it says why. {} shows where the \
@@ -124,20 +126,20 @@ pub(super) fn advice(page: &Page, said: &Said) -> Vec<String> {
 }
 
 /// What to do about suspects: measure, or free.
-fn suspicion(suspects: &[Suspect]) -> Option<String> {
+fn suspicion(suspects: &[SuspectLine]) -> Option<String> {
     let first = suspects.first()?;
     let rivals: Vec<String> = suspects[1..]
         .iter()
         .filter(|of| of.rivals_first)
         .map(|of| of.quantity.clone())
         .collect();
-    let values = first.words();
+    let values = likely_values(first);
     let free = format!("or let {} decide", code("enact replay --free auto"));
     Some(match rivals.is_empty() {
         true => format!(
             "Measure <code>{}</code> again: {values} would explain {:.0} % of the misfit. Or free it with {}, {free}.",
             escaped(&first.quantity),
-            100.0 * first.explains.unwrap_or(0.0),
+            100.0 * known(first.explains).unwrap_or(0.0),
             code("[[free]]")
         ),
         false => format!(

@@ -1,12 +1,12 @@
 //! What checks found, and what became of the samples.
 
-use super::markup::list;
-use super::said::Said;
+use super::markup::{known, list};
 use super::svg::escaped;
+use crate::report::EstimateReport;
 use crate::report::units::{angle, length, seconds};
 
 /// What independent checks found, how it goes on, what is in the hand, and what became of the samples.
-pub(super) fn checks(said: &Said) -> String {
+pub(super) fn checks(said: &EstimateReport) -> String {
     let mut lines: Vec<String> = Vec::new();
     match &said.verification {
         None => lines.push("No independent checks were made.".to_owned()),
@@ -34,8 +34,11 @@ pub(super) fn checks(said: &Said) -> String {
                 )
             }));
             if let Some(shot) = &checked.single_shot {
-                let [m, rad] = [shot.position_m.map(length), shot.orientation_rad.map(angle)]
-                    .map(|of| of.map_or("?".to_owned(), |words| escaped(&words)));
+                let [m, rad] = [
+                    known(shot.position_m).map(length),
+                    known(shot.orientation_rad).map(angle),
+                ]
+                .map(|of| of.map_or("?".to_owned(), |words| escaped(&words)));
                 let anew = match checked.restarts.is_empty() {
                     true => String::new(),
                     false => format!(", begun anew after {}", list(&checked.restarts)),
@@ -48,7 +51,7 @@ pub(super) fn checks(said: &Said) -> String {
                 let missed = list(&checked.missed);
                 lines.push(format!("That simulation did not find {missed}."));
             }
-            if let Some(imbalance) = checked.imbalance {
+            if let Some(imbalance) = known(checked.imbalance) {
                 lines.push(format!(
                     "Energy and momentum are kept to a part of {imbalance:.0e}, beside what impacts take."
                 ));
@@ -87,7 +90,7 @@ pub(super) fn checks(said: &Said) -> String {
         }
     }
     lines.extend(said.held.iter().map(|held| {
-        let number = |of: Option<f64>| of.map_or("?".to_owned(), |of| format!("{of:.2}"));
+        let number = |of: f64| known(of).map_or("?".to_owned(), |of| format!("{of:.2}"));
         format!(
             "<bdi>{}</bdi> is in the hand: {} samples, smoothed, with noise of {} mm, {}°; at its {} collisions the motion \
              is up to {} mm, {}° from that.",
@@ -105,12 +108,13 @@ pub(super) fn checks(said: &Said) -> String {
     format!("<ul class=\"said\">{}</ul>", lines.collect::<String>())
 }
 
-fn samples(said: &Said) -> String {
+fn samples(said: &EstimateReport) -> String {
     let of = &said.samples;
     let mut words = format!("{} samples read, {} used", of.read, of.used);
-    let counted =
-        |(reason, count): &(String, u64)| format!("{count} {}", escaped(&reason.replace('_', " ")));
-    let dropped: Vec<String> = of.dropped.iter().map(counted).collect();
+    let counted = |(reason, count): &(String, usize)| {
+        format!("{count} {}", escaped(&reason.replace('_', " ")))
+    };
+    let dropped: Vec<String> = of.dropped.0.iter().map(counted).collect();
     if !dropped.is_empty() {
         words += &format!("; left out: {}", dropped.join(", "));
     }

@@ -2,13 +2,13 @@
 
 use std::fmt::Write;
 
-use super::markup::{shown_in, table};
-use super::said::{Event, Said};
+use super::markup::{known, shown_in, table};
 use super::svg::escaped;
 use crate::report::units::{angle, deviation_ms, length, seconds};
+use crate::report::{EstimateReport, EventLine};
 
 /// Events with their times and gaps, and goals.
-pub(super) fn events(said: &Said) -> String {
+pub(super) fn events(said: &EstimateReport) -> String {
     if said.events.is_empty() {
         return "<p>The scene has no events.</p>".to_owned();
     }
@@ -39,10 +39,13 @@ pub(super) fn events(said: &Said) -> String {
             seconds(event.acted_s),
             seconds(event.time_s),
             deviation(event),
-            gaps([event.gap_m.map(length), event.gap_rad.map(angle)]),
             gaps([
-                event.gap_m_s.map(|of| format!("{}/s", length(of))),
-                event.gap_rad_s.map(|of| format!("{}/s", angle(of))),
+                known(event.gap_m).map(length),
+                known(event.gap_rad).map(angle)
+            ]),
+            gaps([
+                known(event.gap_m_s).map(|of| format!("{}/s", length(of))),
+                known(event.gap_rad_s).map(|of| format!("{}/s", angle(of))),
             ])
         );
     }
@@ -61,7 +64,7 @@ pub(super) fn events(said: &Said) -> String {
     table + &goals(said)
 }
 
-fn deviation(event: &Event) -> String {
+fn deviation(event: &EventLine) -> String {
     let words = event.time_sd_s.map_or_else(
         || escaped(&event.time_is),
         |sd_s| escaped(&deviation_ms(sd_s)),
@@ -78,11 +81,11 @@ fn gaps(gaps: [Option<String>; 2]) -> String {
     gaps.join("<br>")
 }
 
-fn goals(said: &Said) -> String {
+fn goals(said: &EstimateReport) -> String {
     let mut rows = String::new();
     for goal in &said.goals {
         let (factor, unit) = shown_in(&goal.unit);
-        let off = match (goal.is_met, goal.distance) {
+        let off = match (goal.is_met, known(goal.distance)) {
             (true, _) if goal.binds => "met, and binds".to_owned(),
             (true, _) => "met".to_owned(),
             (false, Some(distance)) => format!("{:.3} {unit} off", distance * factor),

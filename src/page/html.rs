@@ -3,12 +3,11 @@
 use std::fmt::Write;
 
 use super::input::Page;
-use super::said::Said;
 use super::strobe::{Size, Strobe};
 use super::svg::escaped;
 use super::{advice, checks, events, parameters, residuals, time_map, verdict};
 use crate::motion::Timing;
-use crate::report::ExportProvenance;
+use crate::report::{EstimateMessage, EstimateReport, ExportProvenance};
 use crate::visual::View;
 
 /// The style of everything but pictures and charts.
@@ -30,7 +29,8 @@ pub enum PageError {
 
 /// The page, complete in itself. Fails where the report of the estimate is not one.
 pub fn html(page: &Page) -> Result<String, PageError> {
-    let said = Said::read(&page.motion.report)?;
+    let said = EstimateMessage::read(&page.motion.report)?;
+    let report = &said.report;
     let strobe = Strobe::new(page, &said);
     let title = escaped(&page.scene.name);
     let drawn = strobe.as_ref().map_or_else(
@@ -44,7 +44,7 @@ pub fn html(page: &Page) -> Result<String, PageError> {
          <meta name=\"generator\" content=\"{}\">\n<title>{title}: estimated motion</title>\n<style>\n{STYLE}{drawn}</style>\n\
          </head>\n<body>\n<main>\n<p class=\"over\">Estimated motion</p>\n<h1><bdi>{title}</bdi></h1>\n{}\n",
         escaped(&page.provenance.program),
-        verdict::facts(&said)
+        verdict::facts(report)
     );
     for loss in page.lost {
         let _ = writeln!(
@@ -56,21 +56,21 @@ pub fn html(page: &Page) -> Result<String, PageError> {
     section(
         &mut text,
         "The motion",
-        &pictures(page, strobe.as_ref(), &said),
+        &pictures(page, strobe.as_ref(), report),
     );
     section(
         &mut text,
         "Does it fit, and what is to blame",
-        &verdict::blame(&said),
+        &verdict::blame(report),
     );
-    let next = advice::advice(page, &said);
+    let next = advice::advice(page, report);
     let next = next.iter().map(|line| format!("<li>{line}</li>"));
     section(
         &mut text,
         "What to try next",
         &format!("<ol class=\"next\">{}</ol>", next.collect::<String>()),
     );
-    section(&mut text, "Events", &events::events(&said));
+    section(&mut text, "Events", &events::events(report));
     section(
         &mut text,
         "Distance from the samples",
@@ -81,8 +81,8 @@ pub fn html(page: &Page) -> Result<String, PageError> {
         "Acted time and physical time",
         &times(page, &said),
     );
-    section(&mut text, "Parameters", &parameters::parameters(&said));
-    section(&mut text, "Checks and samples", &checks::checks(&said));
+    section(&mut text, "Parameters", &parameters::parameters(report));
+    section(&mut text, "Checks and samples", &checks::checks(report));
     text += &provenance(page.provenance);
     text += "</main>\n</body>\n</html>\n";
     Ok(text)
@@ -90,7 +90,7 @@ pub fn html(page: &Page) -> Result<String, PageError> {
 
 /// The motion of a page, to be looked at; `None` where no body has one. Fails as [`html`].
 pub fn strobe_of<'a>(page: &Page<'a>) -> Result<Option<Strobe<'a>>, PageError> {
-    let said = Said::read(&page.motion.report)?;
+    let said = EstimateMessage::read(&page.motion.report)?;
     Ok(Strobe::new(page, &said))
 }
 
@@ -98,7 +98,7 @@ fn section(text: &mut String, title: &str, content: &str) {
     let _ = writeln!(text, "<section>\n<h2>{title}</h2>\n{content}\n</section>");
 }
 
-fn pictures(page: &Page, strobe: Option<&Strobe>, said: &Said) -> String {
+fn pictures(page: &Page, strobe: Option<&Strobe>, said: &EstimateReport) -> String {
     let Some(strobe) = strobe else {
         return format!(
             "<p>There is no motion to be seen; the verdict is {}.</p>",
@@ -146,8 +146,8 @@ fn pictures(page: &Page, strobe: Option<&Strobe>, said: &Said) -> String {
     text + "</div>"
 }
 
-fn residual(page: &Page, said: &Said) -> String {
-    if said.segments.is_empty() {
+fn residual(page: &Page, said: &EstimateMessage) -> String {
+    if said.report.segments.is_empty() {
         return "<p>No flight has samples.</p>".to_owned();
     }
     let cards = residuals::cards(page, said);
@@ -156,7 +156,7 @@ fn residual(page: &Page, said: &Said) -> String {
     )
 }
 
-fn times(page: &Page, said: &Said) -> String {
+fn times(page: &Page, said: &EstimateMessage) -> String {
     let how = match page.scene.timing {
         Timing::Known => "Stamps are physical times: they are kept, up to an offset of the clock.",
         Timing::Edited => {

@@ -1,6 +1,7 @@
 //! Pieces of HTML that parts of a page share.
 
 use super::svg::escaped;
+use crate::report::SuspectLine;
 use crate::report::units::for_people;
 
 /// A table; columns whose name ends with `*` are numbers.
@@ -27,4 +28,20 @@ pub(super) fn list(names: &[String]) -> String {
 pub(super) fn shown_in(unit: &str) -> (f64, String) {
     let (factor, unit) = for_people(unit);
     (factor, escaped(unit))
+}
+
+/// A number that the report knows.
+pub(super) fn known(number: f64) -> Option<f64> {
+    number.is_finite().then_some(number)
+}
+
+/// Names and likely values of what is suspected, or was.
+pub(super) fn likely_values(of: &SuspectLine) -> String {
+    let (factor, unit) = shown_in(&of.unit);
+    let values = of.quantities.iter().map(|(name, value)| {
+        let value = known(*value).map_or("?".to_owned(), |value| format!("{:.3}", value * factor));
+        let words = format!("{} {value} {unit}", escaped(name));
+        words.trim_end().to_owned()
+    });
+    values.collect::<Vec<_>>().join(", ")
 }

@@ -14,7 +14,6 @@ mod input;
 mod markup;
 mod parameters;
 mod residuals;
-mod said;
 mod seen;
 pub mod strobe;
 mod svg;

@@ -2,24 +2,22 @@
 
 use std::fmt::Write;
 
-use super::markup::{list, shown_in, table};
-use super::said::{Parameter, Said};
+use super::markup::{known, list, shown_in, table};
 use super::svg::{escaped, px};
 use crate::report::units::{bound, decimals, deviation_ms, for_people};
+use crate::report::{EstimateReport, ParameterLine};
 
 /// A standard normal deviate is within so many deviations with a probability of 95 %.
 const INTERVAL: f64 = 1.96;
 
 /// Free parameters with their intervals, and what was not determined.
-pub(super) fn parameters(said: &Said) -> String {
+pub(super) fn parameters(said: &EstimateReport) -> String {
     let mut rows = String::new();
-    for (name, of) in &said.parameters {
+    for (name, of) in &said.parameters.0 {
         let (factor, unit) = shown_in(&of.unit);
         let digits = decimals(of.sd.map(|sd| sd * factor));
-        let value = of
-            .value
-            .map_or("?".to_owned(), |v| format!("{:.digits$}", v * factor));
-        let interval = match (of.value, of.sd) {
+        let value = known(of.value).map_or("?".to_owned(), |v| format!("{:.digits$}", v * factor));
+        let interval = match (known(of.value), of.sd) {
             (Some(value), Some(sd)) => format!(
                 "{:.digits$} to {:.digits$}",
                 (value - INTERVAL * sd) * factor,
@@ -28,11 +26,7 @@ pub(super) fn parameters(said: &Said) -> String {
             _ if said.undetermined.contains(name) => "undetermined".to_owned(),
             _ => "not computed".to_owned(),
         };
-        let ends = [
-            of.bounds[0].unwrap_or(f64::NEG_INFINITY),
-            of.bounds[1].unwrap_or(f64::INFINITY),
-        ]
-        .map(|end| escaped(&bound(end * factor)));
+        let ends = of.bounds.map(|end| escaped(&bound(end * factor)));
         let at_bound = match of.at_bound.as_deref() {
             Some("cone") => " <span class=\"tag\">at the end of its cone</span>".to_owned(),
             Some(end) => format!(" <span class=\"tag\">at its {} bound</span>", escaped(end)),
@@ -66,8 +60,8 @@ pub(super) fn parameters(said: &Said) -> String {
         true => "<p>Nothing: everything that was asked is determined.</p>".to_owned(),
         false => format!("<p>{}.</p>", list(&said.undetermined)),
     };
-    if !said.physical_is_determined {
-        text += &said.physical_sd_s.map_or_else(
+    if !said.duration.physical_is_determined {
+        text += &said.duration.physical_sd_s.map_or_else(
             || "<p>Nothing says how long the motion lasts.</p>".to_owned(),
             |sd_s| {
                 format!(
@@ -81,12 +75,12 @@ pub(super) fn parameters(said: &Said) -> String {
 }
 
 /// A value with its interval between its bounds, or about itself where it has none.
-fn bar(name: &str, of: &Parameter) -> String {
-    let Some(value) = of.value else {
+fn bar(name: &str, of: &ParameterLine) -> String {
+    let Some(value) = known(of.value) else {
         return String::new();
     };
     let half = INTERVAL * of.sd.unwrap_or(0.0);
-    let [from, to] = match of.bounds {
+    let [from, to] = match of.bounds.map(known) {
         [Some(from), Some(to)] if to > from => [from, to],
         _ => [value - 1.6 * half, value + 1.6 * half],
     };

@@ -6,12 +6,12 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::chart::{Chart, ChartMark, from_zero};
 use super::input::Page;
-use super::said::{Said, Segment};
 use super::seen::seen_points;
 use super::svg::escaped;
 use super::theme::class_of_track;
 use crate::motion::{LinkIndex, PoseSample, Sees, Stamp};
 use crate::report::units::seconds;
+use crate::report::{EstimateMessage, EstimateReport, SegmentLine, TimeMapMessage};
 use crate::write::export::motion_at;
 
 /// More flights than these are not drawn one by one.
@@ -30,24 +30,25 @@ struct SampleOff {
 }
 
 /// A card per flight.
-pub(super) fn cards(page: &Page, said: &Said) -> String {
-    let series = series(page, said);
-    let of_track = |segment: &Segment| series.get(segment.body.as_str());
+pub(super) fn cards(page: &Page, said: &EstimateMessage) -> String {
+    let segments = &said.report.segments;
+    let series = series(page, &said.time_map);
+    let of_track = |segment: &SegmentLine| series.get(segment.body.as_str());
     let all = || series.values().flatten();
     let ranges = [
         from_zero(all().map(|off| off.position_mm)),
         from_zero(all().filter_map(|off| off.turn_deg)),
     ];
-    let mut shown: Vec<&Segment> = said.segments.iter().collect();
+    let mut shown: Vec<&SegmentLine> = segments.iter().collect();
     let mut text = String::new();
     if shown.len() > DRAWN {
-        let worst = |of: &Segment| of.residual_mm.unwrap_or(0.0);
+        let worst = |of: &SegmentLine| of.residual_mm.unwrap_or(0.0);
         shown.sort_by(|a, b| worst(b).total_cmp(&worst(a)));
         shown.truncate(DRAWN);
         shown.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
         text += &format!(
             "<p class=\"note\">Of {} flights the {DRAWN} with the largest residuals are drawn.</p>",
-            said.segments.len()
+            segments.len()
         );
     }
     text += "<div class=\"cards\">";
@@ -59,7 +60,7 @@ pub(super) fn cards(page: &Page, said: &Said) -> String {
         });
         text += &card(
             page,
-            said,
+            &said.report,
             segment,
             &within.copied().collect::<Vec<_>>(),
             ranges,
@@ -70,8 +71,8 @@ pub(super) fn cards(page: &Page, said: &Said) -> String {
 
 fn card(
     page: &Page,
-    said: &Said,
-    segment: &Segment,
+    said: &EstimateReport,
+    segment: &SegmentLine,
     offs: &[SampleOff],
     ranges: [[f64; 2]; 2],
 ) -> String {
@@ -153,7 +154,7 @@ fn card(
 }
 
 /// Distances by the name of the track, in order of time.
-fn series<'s>(page: &'s Page, said: &'s Said) -> BTreeMap<&'s str, Vec<SampleOff>> {
+fn series<'s>(page: &'s Page, time_map: &TimeMapMessage) -> BTreeMap<&'s str, Vec<SampleOff>> {
     let mut all: BTreeMap<&str, Vec<SampleOff>> = BTreeMap::new();
     for (index, track) in page.scene.tracks.iter_enumerated() {
         let offs = match track.sees {
@@ -164,7 +165,7 @@ fn series<'s>(page: &'s Page, said: &'s Said) -> BTreeMap<&'s str, Vec<SampleOff
                     .collect()
             }
             Sees::Point => {
-                let seen = seen_points(page, said, index).into_iter();
+                let seen = seen_points(page, time_map, index).into_iter();
                 seen.filter_map(|(at, seen_m)| {
                     off_point(page, track.link, at, [seen_m, track.point_m()])
                 })

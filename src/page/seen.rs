@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::input::Page;
-use super::said::Said;
 use crate::motion::{Stamp, TrackIndex};
+use crate::report::TimeMapMessage;
 use crate::sampling::stamp;
 
 /// How far apart a stamp and what is said of it may be \[ns\].
@@ -13,21 +13,17 @@ const SAME_NS: i64 = 1000;
 /// What a tracker read of a point, in order of time: the time map says which readings were used, and when they are.
 pub(super) fn seen_points(
     page: &Page,
-    said: &Said,
+    time_map: &TimeMapMessage,
     track: TrackIndex,
 ) -> Vec<(Stamp, Vector3<f64>)> {
     let name = &page.scene.tracks[track].name;
-    let Some(map) = said.time_map.bodies.iter().find(|of| of.body == *name) else {
+    let Some(map) = time_map.bodies.iter().find(|of| of.body == *name) else {
         return Vec::new();
     };
-    let origin = &said.time_map.origin;
-    let origin = origin
-        .sec
-        .saturating_mul(1_000_000_000)
-        .saturating_add(origin.nsec);
+    let origin = Stamp::from(time_map.origin);
     let times = map.acted_s.iter().zip(&map.physical_s);
     let mut times: Vec<(Stamp, f64)> = times
-        .map(|(acted_s, physical_s)| (stamp(Stamp(origin), *acted_s), *physical_s))
+        .map(|(acted_s, physical_s)| (stamp(origin, *acted_s), *physical_s))
         .collect();
     times.sort_by_key(|(at, _)| *at);
     let readings = page.readings.iter().filter(|(of, _)| *of == track);

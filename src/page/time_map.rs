@@ -2,11 +2,12 @@
 
 use super::chart::{Chart, ChartMark};
 use super::input::Page;
-use super::said::{BodyTimes, Said};
 use super::theme::class_of_track;
+use crate::report::{BodyTimes, EstimateMessage, EventLine};
 
 /// Bodies and events as a chart; `None` where no sample has a time.
-pub(super) fn chart(page: &Page, said: &Said) -> Option<String> {
+pub(super) fn chart(page: &Page, said: &EstimateMessage) -> Option<String> {
+    let report = &said.report;
     let bodies = said
         .time_map
         .bodies
@@ -15,7 +16,7 @@ pub(super) fn chart(page: &Page, said: &Said) -> Option<String> {
     let bodies: Vec<&BodyTimes> = bodies.collect();
     let all =
         |of: fn(&BodyTimes) -> &Vec<f64>| bodies.iter().flat_map(move |body| of(body)).copied();
-    let events = |of: fn(&super::said::Event) -> f64| said.events.iter().map(of);
+    let events = |of: fn(&EventLine) -> f64| report.events.iter().map(of);
     let across = range(all(|of| &of.acted_s).chain(events(|of| of.acted_s)))?;
     let up = range(all(|of| &of.physical_s).chain(events(|of| of.time_s)))?;
     // As fast as acted: from the first sample on.
@@ -35,7 +36,7 @@ pub(super) fn chart(page: &Page, said: &Said) -> Option<String> {
             classes: [class.clone(), class],
         }
     }));
-    marks.extend(said.events.iter().map(|event| ChartMark::Ring {
+    marks.extend(report.events.iter().map(|event| ChartMark::Ring {
         at: [event.acted_s, event.time_s],
         name: event.name.clone(),
     }));
@@ -46,7 +47,7 @@ pub(super) fn chart(page: &Page, said: &Said) -> Option<String> {
         axes: ["acted, s", "physical, s"],
         label: format!(
             "Acted time against physical time: {:.3} s as acted take {:.3} s",
-            said.acted_s, said.physical_s
+            report.acted_s, report.duration.physical_s
         ),
         marks,
     };

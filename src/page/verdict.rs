@@ -2,21 +2,20 @@
 
 use std::fmt::Write;
 
-use super::markup::list;
-use super::said::Said;
+use super::markup::{known, likely_values, list};
 use super::svg::{escaped, worded};
-use crate::report::fit_words;
 use crate::report::units::{deviation_ms, seconds};
+use crate::report::{EstimateReport, fit_words};
 
 /// A fact at the top: what it is of, its sign and words, and how good it is.
-pub(super) fn facts(said: &Said) -> String {
+pub(super) fn facts(said: &EstimateReport) -> String {
     let verdict = match said.verdict.as_str() {
         "physical" => ("good", "✓", "physical"),
         "plausible" => ("fair", "≈", "plausible"),
         "failed" => ("bad", "✗", "failed"),
         other => ("fair", "?", other),
     };
-    let is_told = said.fit_tested.unwrap_or(false);
+    let is_told = said.is_fit_tested;
     let words = fit_words(&said.fits, is_told);
     let fit = match said.fits.as_str() {
         "yes" => ("good", "✓", words),
@@ -40,16 +39,16 @@ pub(super) fn facts(said: &Said) -> String {
             escaped(words)
         );
     }
-    let sd = said.physical_sd_s.filter(|sd_s| *sd_s > 0.0);
+    let sd = said.duration.physical_sd_s.filter(|sd_s| *sd_s > 0.0);
     let _ = write!(
         text,
         "<li><small>Duration</small><b>{} {}</b> <span class=\"note\">acted in {}</span></li>",
-        seconds(said.physical_s),
+        seconds(said.duration.physical_s),
         sd.map_or_else(String::new, |sd_s| escaped(&deviation_ms(sd_s))),
         seconds(said.acted_s)
     );
-    if let Some(mm) = said.residual_mm.filter(|mm| *mm > 0.0) {
-        let degrees = said.residual_deg.filter(|deg| *deg > 0.0);
+    if let Some(mm) = known(said.residual_mm).filter(|mm| *mm > 0.0) {
+        let degrees = known(said.residual_deg).filter(|deg| *deg > 0.0);
         let degrees = degrees.map_or_else(String::new, |deg| format!(", {deg:.2}°"));
         let _ = write!(
             text,
@@ -60,7 +59,7 @@ pub(super) fn facts(said: &Said) -> String {
 }
 
 /// Whether it fits, and who is to blame.
-pub(super) fn blame(said: &Said) -> String {
+pub(super) fn blame(said: &EstimateReport) -> String {
     let mut lines: Vec<String> = Vec::new();
     let mut say = |tag: &str, words: &str| {
         lines.push(format!("<li><span class=\"tag\">{tag}</span> {words}</li>"));
@@ -72,16 +71,16 @@ pub(super) fn blame(said: &Said) -> String {
         say("likely mistake", &worded(&diagnosis.sentence));
     }
     for freed in &said.freed {
-        let percent = 100.0 * freed.explains.unwrap_or(0.0);
-        let words = freed.words();
+        let percent = 100.0 * known(freed.explains).unwrap_or(0.0);
+        let words = likely_values(freed);
         say(
             "freed",
             &format!("{words}: explains {percent:.0} % of the misfit"),
         );
     }
     for suspect in &said.suspects {
-        let percent = 100.0 * suspect.explains.unwrap_or(0.0);
-        let words = suspect.words();
+        let percent = 100.0 * known(suspect.explains).unwrap_or(0.0);
+        let words = likely_values(suspect);
         let tag = if suspect.rivals_first {
             "or"
         } else {
@@ -116,23 +115,27 @@ pub(super) fn blame(said: &Said) -> String {
     }
 }
 
-fn ended(said: &Said) -> String {
+fn ended(said: &EstimateReport) -> String {
     let mut words = format!(
         "ended so: {}; {} iterations",
         escaped(&said.reason),
-        said.iterations
+        said.counters.iterations
     );
-    if said.assignment_rounds > 0 {
-        let plural = if said.assignment_rounds == 1 { "" } else { "s" };
+    if said.counters.assignment_rounds > 0 {
+        let plural = if said.counters.assignment_rounds == 1 {
+            ""
+        } else {
+            "s"
+        };
         words += &format!(
             ", {} round{plural} of assignment of times",
-            said.assignment_rounds
+            said.counters.assignment_rounds
         );
     }
-    if said.starts > 1 {
-        words += &format!(", {} starts", said.starts);
+    if said.counters.starts > 1 {
+        words += &format!(", {} starts", said.counters.starts);
     }
-    if let Some(objective) = said.objective {
+    if let Some(objective) = known(said.objective) {
         words += &format!(", objective {objective:.6}");
     }
     words

@@ -1,11 +1,13 @@
 //! What checks said of an estimate, with the scene's names.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
+use super::read::{number, unknown};
 use crate::motion::{Balance, Deviation, Penetration, Scene, Touch, Verification};
 
 /// What independent checks say.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct CheckLine {
     /// Overlaps up to this depth are not counted.
     pub tolerance_m: f64,
@@ -26,13 +28,15 @@ pub struct CheckLine {
     /// Collisions that it did not find.
     pub missed: Vec<String>,
     /// Largest relative violation of a law of conservation.
+    #[serde(default = "unknown")]
     pub imbalance: f64,
     /// Largest relative violations of each law.
     pub balance: BalanceLine,
 }
 
 /// A body inside of something.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct OverlapLine {
     /// Name of the body.
     pub body: String,
@@ -47,7 +51,8 @@ pub struct OverlapLine {
 }
 
 /// What of a body touches first at a collision, by its whole shape.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct TouchLine {
     /// Name of the collision.
     pub event: String,
@@ -72,20 +77,26 @@ pub struct TouchLine {
 }
 
 /// Distances of the single shot from the estimate.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct ShotLine {
     /// Of centres of mass.
+    #[serde(default = "unknown", deserialize_with = "number")]
     pub position_m: f64,
     /// Of orientations.
+    #[serde(default = "unknown", deserialize_with = "number")]
     pub orientation_rad: f64,
     /// Of velocities.
+    #[serde(deserialize_with = "number")]
     pub velocity_m_s: f64,
     /// Of angular velocities.
+    #[serde(deserialize_with = "number")]
     pub angular_velocity_rad_s: f64,
 }
 
 /// The same of one body at one instant.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct DeviationLine {
     /// Name of the body.
     pub body: String,
@@ -99,7 +110,8 @@ pub struct DeviationLine {
 }
 
 /// Largest relative violations of the laws of conservation.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct BalanceLine {
     /// Of energy over flights.
     pub flight_energy: f64,

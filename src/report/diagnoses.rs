@@ -3,7 +3,7 @@
 use std::fmt;
 
 use nalgebra::Vector3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::motion::{
     Diagnosis, Distance, LengthUnit, MountSlip, QuaternionSlip, Remedy, SampleSource, Scene,
@@ -11,13 +11,14 @@ use crate::motion::{
 };
 
 /// One likely mistake.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct DiagnosisLine {
     /// What is likely wrong.
-    pub cause: &'static str,
+    pub cause: String,
     /// The scene's key to change, or the field of the stream's messages: `stream.position`,
     /// `stream.orientation`, `stream.stamp`.
-    pub key: &'static str,
+    pub key: String,
     /// Its right value as in a scene file; for a field of the stream what to do with it.
     pub value: String,
     /// All of that as a sentence, with what is gained.
@@ -31,8 +32,8 @@ impl DiagnosisLine {
         let value = value(scene, remedy);
         let gain = gain(diagnosis.without, diagnosis.with);
         Self {
-            cause: cause(remedy),
-            key: key(remedy, diagnosis.source),
+            cause: cause(remedy).to_owned(),
+            key: key(remedy, diagnosis.source).to_owned(),
             sentence: format!("{}; {gain}", advice(scene, diagnosis, &value)),
             value,
         }

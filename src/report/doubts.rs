@@ -1,27 +1,28 @@
 //! What speaks against a motion, in words and in numbers.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::units::{self, for_people};
 use crate::motion::{About, Doubt, Place, Scene, Verdict};
 
 /// One thing that speaks against a motion, in numbers and in words.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct DoubtLine {
     /// What was measured; see [`About`].
-    pub quantity: &'static str,
+    pub quantity: String,
     /// What it is; `null` where the performance does not determine it.
     pub value: f64,
     /// What it may be.
     pub bound: f64,
     /// Unit of both.
-    pub unit: &'static str,
+    pub unit: String,
     /// The body, event or parameter where it is; none where it is of the whole motion.
     pub at: Option<String>,
     /// Physical time, where it is at one: the beginning of a flight.
     pub time_s: Option<f64>,
     /// The best verdict that it leaves: `physical` where it is only to be known.
-    pub best: &'static str,
+    pub best: String,
     /// All of that as a sentence.
     pub text: String,
 }
@@ -30,13 +31,13 @@ impl DoubtLine {
     /// With the scene's names.
     pub fn new(scene: &Scene, doubt: &Doubt) -> Self {
         Self {
-            quantity: doubt.about.as_str(),
+            quantity: doubt.about.as_str().to_owned(),
             value: doubt.value,
             bound: doubt.bound,
-            unit: unit(scene, doubt),
+            unit: unit(scene, doubt).to_owned(),
             at: doubt.place.name(scene).map(str::to_owned),
             time_s: doubt.place.time_s(),
-            best: doubt.about.best().as_str(),
+            best: doubt.about.best().as_str().to_owned(),
             text: sentence(scene, doubt),
         }
     }

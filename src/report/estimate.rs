@@ -1,6 +1,6 @@
 //! What every report says of an estimate.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::checks::CheckLine;
 use super::diagnoses::DiagnosisLine;
@@ -12,6 +12,7 @@ use super::motion::{
     DurationLine, EventLine, ParameterLine, SegmentLine, event_lines, parameter_lines,
     segment_lines, undetermined_names,
 };
+use super::read::{from_json, unknown};
 use super::reason::{TerminationLine, reason_text};
 use super::reported::Reported;
 use super::rest::RestLine;
@@ -21,14 +22,15 @@ use crate::motion::{Estimate, Fits, Sketch, Verdict};
 
 /// An estimate in words and numbers. Physical times are seconds since the first used sample, acted
 /// times seconds since the performance's origin.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct EstimateReport {
     /// Name of the scene.
     pub scene: String,
     /// `physical`, `plausible` or `failed`.
-    pub verdict: &'static str,
+    pub verdict: String,
     /// Whether the motion explains the performance: `yes`, `unknown` or `no`.
-    pub fits: &'static str,
+    pub fits: String,
     /// Whether that was asked: not of a motion that failed, or where too little is determined.
     #[serde(rename = "fit_tested")]
     pub is_fit_tested: bool,
@@ -51,6 +53,7 @@ pub struct EstimateReport {
     /// Likely mistakes in what is said of the performance, that which explains most first.
     pub diagnoses: Vec<DiagnosisLine>,
     /// Sum of squared weighted residuals, priors included.
+    #[serde(default = "unknown")]
     pub objective: f64,
     /// Gravity in world axes, given or estimated.
     pub gravity_m_s2: [f64; 3],
@@ -96,8 +99,8 @@ impl EstimateReport {
         let doubts = estimate.doubts.iter();
         Self {
             scene: scene.name.clone(),
-            verdict: estimate.verdict.as_str(),
-            fits: estimate.fits().as_str(),
+            verdict: estimate.verdict.as_str().to_owned(),
+            fits: estimate.fits().as_str().to_owned(),
             is_fit_tested: is_fit_tested(estimate),
             fit_note: fit_note(estimate),
             not_told: not_told(scene, estimate),
@@ -130,6 +133,11 @@ impl EstimateReport {
             rest: of.rest.map(|rest| RestLine::new(scene, rest)),
             samples: SampleLine::new(of.counts),
         }
+    }
+
+    /// Reads what is written, of any version: what it lacks is empty. Fails where it is no such report.
+    pub fn read(json: &[u8]) -> Result<Self, serde_json::Error> {
+        from_json(json)
     }
 
     /// Whether nothing speaks against the motion: it is physical, not known not to fit, and nothing is suspected.

@@ -1,13 +1,15 @@
 //! How far the motion is from the scene's goals at events.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
+use super::read::unknown;
 use crate::motion::{
     BodyPoint, Condition, Estimate, Goal, GoalQuantity, GoalTarget, GoalUnit, Moment, Scene,
 };
 
 /// How far the motion is from one goal.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct GoalLine {
     /// Name of the event at which it is asked.
     pub event: String,
@@ -20,11 +22,12 @@ pub struct GoalLine {
     /// Whether it is at its bound, or beyond: it may then act on the motion.
     pub binds: bool,
     /// Distance from the set of what meets it: negative inside, as far as its boundary.
+    #[serde(default = "unknown")]
     pub distance: f64,
     /// Standard deviation of that distance, its weight; none of a hard goal.
     pub sd: Option<f64>,
     /// Unit of both.
-    pub unit: &'static str,
+    pub unit: String,
 }
 
 /// The goals at events, in the scene's order, measured at the exported motion.
@@ -46,7 +49,7 @@ pub(super) fn goal_lines(scene: &Scene, estimate: &Estimate) -> Vec<GoalLine> {
             binds: found.binds(),
             distance: found.distance,
             sd: condition.and_then(|condition| condition.sd),
-            unit: found.unit.as_str(),
+            unit: found.unit.as_str().to_owned(),
         }
     });
     lines.collect()

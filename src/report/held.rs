@@ -1,25 +1,31 @@
 //! Bodies in the hand.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
+use super::read::unknown;
 use super::reported::Reported;
 
 /// A body in the hand: its motion is what its tracker saw, smoothed.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct HeldLine {
     /// Name of the body.
     pub body: String,
     /// Samples that were smoothed.
     pub samples: usize,
     /// Standard deviation of the tracker's positions per axis, as given or as the stream shows.
+    #[serde(default = "unknown")]
     pub noise_mm: f64,
     /// Standard deviation of its orientations per axis.
+    #[serde(default = "unknown")]
     pub noise_deg: f64,
     /// Number of collisions with it.
     pub collisions: usize,
     /// Greatest distance of the motion from the smoothed one at a collision.
+    #[serde(default = "unknown")]
     pub moved_mm: f64,
     /// Greatest angle between both.
+    #[serde(default = "unknown")]
     pub moved_deg: f64,
 }
 

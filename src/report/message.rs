@@ -1,9 +1,10 @@
 //! The report of a file: what every report says, the motion's states and its time map.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::estimate::EstimateReport;
 use super::provenance::Provenance;
+use super::read::from_json;
 use super::reported::Reported;
 use super::time_map::TimeMapMessage;
 use crate::motion::{ArcEstimate, LinkIndex, Scene, Stamp};
@@ -25,9 +26,19 @@ pub struct EstimateMessage {
     pub provenance: Option<Provenance>,
 }
 
+/// What the message says beside the report.
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct BesideReport {
+    arcs: Vec<ArcLine>,
+    time_map: TimeMapMessage,
+    provenance: Option<Provenance>,
+}
+
 /// A flight: between its start and its end the body moves as a free rigid body from the state at the
 /// epoch. Times are physical.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct ArcLine {
     /// Name of the body.
     pub body: String,
@@ -58,6 +69,19 @@ impl EstimateMessage {
             time_map: TimeMapMessage::new(scene, of.sketch, estimate, zero),
             provenance: provenance.cloned(),
         }
+    }
+
+    /// Reads what is written, of any version: what it lacks is empty. Fails where it is no such message.
+    pub fn read(json: &[u8]) -> Result<Self, serde_json::Error> {
+        // One after the other: serde would read a flattened report through a buffer, which knows no `null` for NaN.
+        let report = EstimateReport::read(json)?;
+        let beside: BesideReport = from_json(json)?;
+        Ok(Self {
+            report,
+            arcs: beside.arcs,
+            time_map: beside.time_map,
+            provenance: beside.provenance,
+        })
     }
 }
 

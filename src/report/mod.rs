@@ -10,7 +10,8 @@
 //! Names are as they are in files and on the wire; who prints them does so through [`plain()`].
 //!
 //! Numbers are SI unless a name says otherwise. Numbers that are not finite (a bound that does not
-//! bind, a deviation that nothing determines) are `null` in JSON.
+//! bind, a deviation that nothing determines) are `null` in JSON. [`EstimateMessage::read`] reads it back, of any
+//! version.
 
 pub mod checks;
 pub mod diagnoses;
@@ -23,6 +24,7 @@ pub mod message;
 pub mod motion;
 pub mod plain;
 pub mod provenance;
+mod read;
 pub mod reason;
 pub mod recording;
 pub mod reported;
@@ -55,4 +57,4 @@ pub use samples::{CounterLine, Ordered, SampleLine, SettledLine};
 pub use spent::Spent;
 pub use spread::{BodySpreadLine, SpreadLine, UpLine};
 pub use suspects::SuspectLine;
-pub use time_map::{TIME_MAP_SCHEMA, Time, TimeMapMessage};
+pub use time_map::{BodyTimes, EventTimeLine, TIME_MAP_SCHEMA, Time, TimeMapMessage};

@@ -1,30 +1,33 @@
 //! The motion's events, parameters, segments and duration, with the scene's names.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
+use super::read::{bounds, number, unbounded, unknown};
 use super::reported::Reported;
 use super::samples::Ordered;
 use crate::motion::{
-    AtBound, DurationEstimate, Estimate, EventEstimate, EventKind, LinkIndex, Scene, Undetermined,
+    DurationEstimate, Estimate, EventEstimate, EventKind, LinkIndex, Scene, Undetermined,
 };
 
 /// An event as estimated.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct EventLine {
     /// Name in the scene.
     pub name: String,
     /// `start`, `collision` or `end`.
-    pub kind: &'static str,
+    pub kind: String,
     /// Physical time since the first sample.
+    #[serde(default = "unknown")]
     pub time_s: f64,
     /// Its standard deviation, where it is not fixed and is determined.
     pub time_sd_s: Option<f64>,
     /// Whether the time is fixed or the performance determines it.
     pub time_is_determined: bool,
     /// `fixed`, `estimated`, `undetermined` or `not computed`, of the deviation.
-    pub time_is: &'static str,
+    pub time_is: String,
     /// `lower` or `upper` where the time is at a bound of the scene.
-    pub time_at_bound: Option<&'static str>,
+    pub time_at_bound: Option<String>,
     /// The guess of the scene on which the time leans by more than its deviation, which supposes it.
     pub time_leans_on: Option<LeaningLine>,
     /// Acted time since the first sample.
@@ -38,17 +41,22 @@ pub struct EventLine {
     /// Other contacts that are not ruled out where it was, and why they are not.
     pub contact_rivals: Vec<RivalLine>,
     /// Largest position gap.
+    #[serde(default = "unknown")]
     pub gap_m: f64,
     /// Largest orientation gap.
+    #[serde(default = "unknown")]
     pub gap_rad: f64,
     /// Largest velocity gap.
+    #[serde(default = "unknown")]
     pub gap_m_s: f64,
     /// Largest angular velocity gap.
+    #[serde(default = "unknown")]
     pub gap_rad_s: f64,
 }
 
 /// What a time leans on.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct LeaningLine {
     /// Name of the guessed quantity.
     pub quantity: String,
@@ -61,32 +69,37 @@ pub struct LeaningLine {
 }
 
 /// Another contact than the inferred one.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct RivalLine {
     /// What would touch.
     pub contact: String,
     /// `alike`, `no motion found` or `not tried`.
-    pub standing: &'static str,
+    pub standing: String,
 }
 
 /// A free parameter as estimated.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct ParameterLine {
     /// Its value.
+    #[serde(default = "unknown")]
     pub value: f64,
     /// Its standard deviation, where it is determined; with the bounds as a prior where it is at
     /// one.
     pub sd: Option<f64>,
     /// `lower`, `upper` or `cone` where it is at that bound.
-    pub at_bound: Option<&'static str>,
+    pub at_bound: Option<String>,
     /// Least and greatest value allowed.
+    #[serde(default = "unbounded", deserialize_with = "bounds")]
     pub bounds: [f64; 2],
     /// Unit of them all; empty for ratios.
-    pub unit: &'static str,
+    pub unit: String,
 }
 
 /// How well one arc fits.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct SegmentLine {
     /// Name of the body.
     pub body: String,
@@ -103,9 +116,11 @@ pub struct SegmentLine {
 }
 
 /// How long the motion lasts.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct DurationLine {
     /// From the beginning of the first flight to the end of the last.
+    #[serde(deserialize_with = "number")]
     pub physical_s: f64,
     /// Its standard deviation, zero where it is fixed; none where nothing determines it.
     pub physical_sd_s: Option<f64>,
@@ -135,7 +150,7 @@ pub(super) fn event_lines(of: &Reported) -> Vec<EventLine> {
             let time = Undetermined::EventTime(event.event);
             EventLine {
                 name: of_scene.name.clone(),
-                kind: of_scene.kind.as_str(),
+                kind: of_scene.kind.as_str().to_owned(),
                 time_s: event.time_s,
                 time_sd_s: event.sd_s,
                 time_is_determined: !estimate.undetermined.contains(&time),
@@ -144,8 +159,9 @@ pub(super) fn event_lines(of: &Reported) -> Vec<EventLine> {
                     Some(_) => "estimated",
                     None if estimate.undetermined.contains(&time) => "undetermined",
                     None => "not computed",
-                },
-                time_at_bound: event.at_bound.map(AtBound::as_str),
+                }
+                .to_owned(),
+                time_at_bound: event.at_bound.map(|end| end.as_str().to_owned()),
                 time_leans_on: leaning_line(scene, event),
                 acted_s: event.acted_s,
                 bodies: match &of_scene.kind {
@@ -192,7 +208,7 @@ fn rival_lines(scene: &Scene, estimate: &Estimate, event: usize) -> Vec<RivalLin
     let lines = of_event.filter_map(|rival| {
         Some(RivalLine {
             contact: scene.words_of(event, &rival.contacts)?,
-            standing: rival.standing.as_str(),
+            standing: rival.standing.as_str().to_owned(),
         })
     });
     lines.collect()
@@ -208,9 +224,9 @@ pub(super) fn parameter_lines(scene: &Scene, estimate: &Estimate) -> Ordered<Par
         let line = ParameterLine {
             value: parameter.value,
             sd: parameter.sd,
-            at_bound: parameter.at_bound.map(AtBound::as_str),
+            at_bound: parameter.at_bound.map(|end| end.as_str().to_owned()),
             bounds: [parameter.lower, parameter.upper],
-            unit: unit_of(&parameter.name),
+            unit: unit_of(&parameter.name).to_owned(),
         };
         (parameter.name.clone(), line)
     });

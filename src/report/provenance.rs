@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// From what an estimate was made.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Provenance {
     /// Program and version.
     pub program: String,

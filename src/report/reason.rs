@@ -1,14 +1,15 @@
 //! Why an estimation ended, in words and in numbers.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::motion::{End, Measured, Progress, Reason, Scene};
 
 /// Why an estimation ended, in numbers.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct TerminationLine {
     /// How it ended; see [`End`].
-    pub kind: &'static str,
+    pub kind: String,
     /// What decided, each value with what it may be.
     pub measured: Vec<MeasuredLine>,
     /// Names of the events or the body where it is; none where it is of the whole motion.
@@ -21,16 +22,17 @@ pub struct TerminationLine {
 }
 
 /// A measured value and what it may be.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct MeasuredLine {
     /// `violation` and `decrease` as in [`Progress`], `duration` of a flight.
-    pub quantity: &'static str,
+    pub quantity: String,
     /// What it is; `null` where it is not finite.
     pub value: f64,
     /// What it may be: `violation` and `decrease` at most, `duration` at least.
     pub bound: f64,
     /// Unit of both; empty for the constraints' units and for ratios.
-    pub unit: &'static str,
+    pub unit: String,
 }
 
 impl TerminationLine {
@@ -54,7 +56,7 @@ impl TerminationLine {
             | End::NotFinite => (Vec::new(), None),
         };
         Self {
-            kind: reason.end.as_str(),
+            kind: reason.end.as_str().to_owned(),
             measured: measured(&reason.end),
             at,
             time_s,
@@ -64,17 +66,17 @@ impl TerminationLine {
 }
 
 fn measured(end: &End) -> Vec<MeasuredLine> {
-    let line = |quantity, of: &Measured| MeasuredLine {
-        quantity,
+    let line = |quantity: &str, of: &Measured| MeasuredLine {
+        quantity: quantity.to_owned(),
         value: of.value,
         bound: of.bound,
-        unit: "",
+        unit: String::new(),
     };
     let duration = |value| MeasuredLine {
-        quantity: "duration",
+        quantity: "duration".to_owned(),
         value,
         bound: 0.0,
-        unit: "s",
+        unit: "s".to_owned(),
     };
     match end {
         End::EventsReversed { interval_s, .. } => vec![duration(*interval_s)],

@@ -1,11 +1,12 @@
 //! How bodies lie at rest, against the scene's goals there.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::motion::{Rest, Scene};
 
 /// How bodies lie at rest, and what it took.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct RestLine {
     /// Whether every goal is met.
     pub reached: bool,
@@ -20,7 +21,8 @@ pub struct RestLine {
 }
 
 /// How one body lies.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct LieLine {
     /// Name of the body.
     pub body: String,

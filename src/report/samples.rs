@@ -1,13 +1,19 @@
 //! The samples, the work done, and what follows the performance.
 
-use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use std::fmt;
+use std::marker::PhantomData;
 
+use serde::de::{MapAccess, Visitor};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::read::unknown;
 use super::spread::SpreadLine;
 use crate::motion::{Counters, SampleCounts, Scene, Settled};
 
 /// What became of the samples.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct SampleLine {
     /// Delivered.
     pub read: usize,
@@ -43,9 +49,11 @@ impl SampleLine {
 }
 
 /// How the motion goes on by simulation.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct SettledLine {
     /// Physical time from which it is simulated.
+    #[serde(default = "unknown")]
     pub from_s: f64,
     /// Physical time at which it ends.
     pub end_s: f64,
@@ -75,7 +83,8 @@ impl SettledLine {
 }
 
 /// Work done, by kind.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct CounterLine {
     /// Evaluations with a factorisation.
     pub iterations: usize,
@@ -116,5 +125,30 @@ impl<T: Serialize> Serialize for Ordered<T> {
             map.serialize_entry(name, value)?;
         }
         map.end()
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Ordered<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(InOrder(PhantomData))
+    }
+}
+
+/// Reads a map in its order.
+struct InOrder<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for InOrder<T> {
+    type Value = Ordered<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a map")
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Self::Value, M::Error> {
+        let mut pairs = Vec::new();
+        while let Some(pair) = map.next_entry()? {
+            pairs.push(pair);
+        }
+        Ok(Ordered(pairs))
     }
 }

@@ -1,11 +1,12 @@
 //! How far a prediction may be off.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::motion::{LinkSpread, Scene, Spread};
 
 /// Where repeated predictions come to rest, from states and with materials as they may be as well.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct SpreadLine {
     /// Number of predictions.
     pub draws: usize,
@@ -19,7 +20,8 @@ pub struct SpreadLine {
 }
 
 /// Where a body lies at the end.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct BodySpreadLine {
     /// Its name.
     pub body: String,
@@ -38,7 +40,8 @@ pub struct BodySpreadLine {
 }
 
 /// A part of a body that is up.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct UpLine {
     /// A declared face, or an axis of the body, such as `+z`.
     pub up: String,

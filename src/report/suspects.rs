@@ -1,19 +1,20 @@
 //! What may be wrong in a scene.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::motion::{Scene, Suspect};
 
 /// A quantity that the scene keeps fixed and that would explain some of a misfit. Several of one
 /// thing (the components of an offset) are listed together.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct SuspectLine {
     /// Name of the first quantity, as `[[free]]` takes it.
     pub quantity: String,
     /// Its likely value.
     pub value: f64,
     /// Unit of the value; empty for ratios and factors.
-    pub unit: &'static str,
+    pub unit: String,
     /// Names and likely values of all quantities.
     pub quantities: Vec<(String, f64)>,
     /// Share of the misfit that goes with them, 0 to 1.
@@ -36,7 +37,7 @@ pub(super) fn suspect_lines(scene: &Scene, suspects: &[Suspect]) -> Vec<SuspectL
         Some(SuspectLine {
             quantity: scene.name_of_quantity(quantity),
             value,
-            unit: quantity.unit(),
+            unit: quantity.unit().to_owned(),
             quantities: quantities.collect(),
             explains: suspect.explains,
             gain: suspect.gain,

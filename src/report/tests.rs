@@ -1,10 +1,13 @@
-//! Both reports say the same of an estimate, and reasons say the same in words and in numbers.
+//! Both reports say the same of an estimate, reasons say the same in words and in numbers, and what is written is
+//! read back.
 
 use serde_json::{Value, json};
 
 use super::*;
 use crate::fixture::{FIRST_NS, counts, estimate, scene, sketch};
 use crate::motion::{End, Measured, MechanismIndex, Progress, Reason, Stamp};
+
+mod read;
 
 #[test]
 fn the_reports_of_a_file_and_of_a_recording_say_the_same_of_the_estimate() {
@@ -129,7 +132,7 @@ fn reasons_have_words_and_numbers() {
         let rows: Vec<Value> = rows
             .map(|row| json!([row.quantity, row.value, row.bound, row.unit]))
             .collect();
-        assert_eq!((line.kind, &json!(rows)), (kind, expected));
+        assert_eq!((line.kind.as_str(), &json!(rows)), (kind, expected));
         assert_eq!(json!(line.at), at, "{kind}");
         assert_eq!(line.time_s.is_some(), kind == "flight_reversed");
         // A search without proof is said before it.

@@ -1,6 +1,6 @@
 //! Acted time against physical time, as a message.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::motion::{Estimate, Scene, Sketch, Stamp};
 
@@ -8,10 +8,20 @@ use crate::motion::{Estimate, Scene, Sketch, Stamp};
 pub const TIME_MAP_SCHEMA: &str = include_str!("time_map.schema.json");
 
 /// A stamp as foxglove's JSON has it: exact, where one number would lose nanoseconds.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Time {
     sec: i64,
     nsec: i64,
+}
+
+impl From<Time> for Stamp {
+    fn from(time: Time) -> Self {
+        Self(
+            time.sec
+                .saturating_mul(1_000_000_000)
+                .saturating_add(time.nsec),
+        )
+    }
 }
 
 impl From<Stamp> for Time {
@@ -24,26 +34,41 @@ impl From<Stamp> for Time {
 }
 
 /// Acted time, in seconds since `origin`, against physical time, in seconds since `physical_zero`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct TimeMapMessage {
-    origin: Time,
-    physical_zero: Time,
-    bodies: Vec<BodyTimes>,
-    events: Vec<EventTimeLine>,
+    /// The stamp of acted time zero.
+    pub origin: Time,
+    /// The stamp of physical time zero; none where the file does not say it.
+    pub physical_zero: Option<Time>,
+    /// Bodies with samples.
+    pub bodies: Vec<BodyTimes>,
+    /// In order of time.
+    pub events: Vec<EventTimeLine>,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
-struct BodyTimes {
-    body: String,
-    acted_s: Vec<f64>,
-    physical_s: Vec<f64>,
+/// When the samples of a body are.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct BodyTimes {
+    /// Name of the track: that of the body, unless that has several.
+    pub body: String,
+    /// Acted times of the samples,
+    pub acted_s: Vec<f64>,
+    /// and the physical ones, one by one.
+    pub physical_s: Vec<f64>,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
-struct EventTimeLine {
-    event: String,
-    acted_s: f64,
-    physical_s: f64,
+/// When an event is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct EventTimeLine {
+    /// Name of the event.
+    pub event: String,
+    /// When it is acted.
+    pub acted_s: f64,
+    /// When it happens.
+    pub physical_s: f64,
 }
 
 impl TimeMapMessage {
@@ -69,7 +94,7 @@ impl TimeMapMessage {
         });
         Self {
             origin: sketch.origin.into(),
-            physical_zero: zero.into(),
+            physical_zero: Some(zero.into()),
             bodies: bodies.collect(),
             events: events.collect(),
         }

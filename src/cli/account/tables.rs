@@ -12,7 +12,7 @@ pub(super) fn events(report: &EstimateReport) -> String {
         .map(|event| {
             vec![
                 event.name.clone(),
-                event.kind.to_owned(),
+                event.kind.clone(),
                 seconds(event.acted_s),
                 seconds(event.time_s),
                 deviation(event),
@@ -33,7 +33,7 @@ pub(super) fn events(report: &EstimateReport) -> String {
 fn goals(report: &EstimateReport) -> String {
     let mut text = String::new();
     for goal in report.goals.iter().filter(|goal| !goal.is_met) {
-        let (factor, unit) = for_people(goal.unit);
+        let (factor, unit) = for_people(&goal.unit);
         let weight = goal.sd.map_or_else(String::new, |sd| {
             format!(", which weighs {:.3} {unit}", factor * sd)
         });
@@ -58,8 +58,8 @@ fn goals(report: &EstimateReport) -> String {
 fn deviation(event: &EventLine) -> String {
     let deviation = event
         .time_sd_s
-        .map_or_else(|| event.time_is.to_owned(), deviation_ms);
-    match event.time_at_bound {
+        .map_or_else(|| event.time_is.clone(), deviation_ms);
+    match event.time_at_bound.as_deref() {
         Some("lower") => format!("{deviation}, at its earliest"),
         Some(_) => format!("{deviation}, at its latest"),
         None => deviation,
@@ -208,7 +208,7 @@ pub(super) fn parameters(report: &EstimateReport) -> String {
         .0
         .iter()
         .map(|(name, parameter)| {
-            let (factor, unit) = for_people(parameter.unit);
+            let (factor, unit) = for_people(&parameter.unit);
             let [lower, upper] = parameter.bounds.map(|bound| bound * factor);
             let decimals = decimals(parameter.sd.map(|sd| sd * factor));
             vec![
@@ -224,7 +224,7 @@ pub(super) fn parameters(report: &EstimateReport) -> String {
                     "[{}, {}]{}",
                     bound(lower),
                     bound(upper),
-                    match parameter.at_bound {
+                    match parameter.at_bound.as_deref() {
                         Some("cone") => ", at the end of its cone".to_owned(),
                         Some(end) => format!(", at its {end} bound"),
                         None => String::new(),

@@ -6,13 +6,13 @@ use nalgebra::Vector3;
 use typed_index_collections::TiVec;
 
 use super::super::input::Page;
-use super::super::said::Said;
 use super::super::seen::seen_points;
 use super::super::svg::px;
 use super::super::theme;
 use super::plan::{Flash, flashes, ghosts, step_s};
 use crate::math::Pose;
 use crate::motion::{LinkIndex, Scene, Stamp};
+use crate::report::EstimateMessage;
 use crate::report::units::seconds;
 use crate::visual::{Patch, Triangle, View, mesh, patches};
 use crate::write::export::WrittenMotion;
@@ -46,13 +46,13 @@ pub struct Strobe<'a> {
 
 impl<'a> Strobe<'a> {
     /// Of what a page is of. `None` where no body has a motion.
-    pub(in super::super) fn new(page: &Page<'a>, said: &Said) -> Option<Self> {
+    pub(in super::super) fn new(page: &Page<'a>, said: &EstimateMessage) -> Option<Self> {
         let (scene, motion) = (page.scene, page.motion);
         let step_s = step_s(scene, motion)?;
         let seen = scene
             .tracks
             .keys()
-            .map(|track| seen_points(page, said, track));
+            .map(|track| seen_points(page, &said.time_map, track));
         let seen = seen.map(|points| points.into_iter().map(|(_, point_m)| point_m).collect());
         let all = motion.estimates.iter().chain(&motion.sketches).flatten();
         Some(Self {
@@ -61,7 +61,7 @@ impl<'a> Strobe<'a> {
             step_s,
             surfaces: scene.links.iter().map(|of| mesh(&of.shape)).collect(),
             colours: theme::colours(scene),
-            flashes: flashes(scene, said, motion, step_s),
+            flashes: flashes(scene, &said.report, motion, step_s),
             ghosts: ghosts(scene, motion, step_s),
             patches: patches(scene, &motion.estimates),
             points_m: all.map(|sample| sample.position_m).collect(),

@@ -2,9 +2,9 @@
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
-use super::super::said::Said;
 use crate::math::Pose;
 use crate::motion::{LinkIndex, PoseSample, Scene, Stamp};
+use crate::report::EstimateReport;
 use crate::sampling::stamp;
 use crate::visual::mesh;
 use crate::write::export::{WrittenMotion, acted_at, motion_at};
@@ -132,7 +132,7 @@ fn instants(motion: &WrittenMotion, step_s: f64) -> Vec<Stamp> {
 /// The bodies at all flashes and at their events. Of what is simulated those that have moved, and the last.
 pub(super) fn flashes(
     scene: &Scene,
-    said: &Said,
+    said: &EstimateReport,
     motion: &WrittenMotion,
     step_s: f64,
 ) -> Vec<Flash> {

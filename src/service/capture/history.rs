@@ -22,7 +22,7 @@ const PICTURE_BYTES: usize = 1 << 20;
 pub(super) struct TakeLine {
     take: u64,
     /// `recording`, `estimating`, `discarded`, `broken`, `not estimated`, or the verdict.
-    state: &'static str,
+    state: String,
     /// Whether the motion is good, once it is known.
     is_good: Option<bool>,
     /// What is to be said of it: an error, a doubt.
@@ -64,7 +64,7 @@ impl History {
         let state = words.find(|word| of.verdict.as_deref() == Some(*word));
         takes.push_back(TakeLine {
             take,
-            state: state.unwrap_or("not estimated"),
+            state: state.unwrap_or("not estimated").to_owned(),
             is_good: of.is_good,
             text: of.error.or(of.why).unwrap_or_default(),
             recording: of.recording,
@@ -103,15 +103,15 @@ impl History {
             CaptureEvent::Started {
                 take, recording, ..
             } => self.change(*take, |line| {
-                line.state = "recording";
+                line.state = "recording".to_owned();
                 line.recording.clone_from(recording);
             }),
             CaptureEvent::Closed { take, label, .. } => self.change(*take, |line| {
-                line.state = "estimating";
+                line.state = "estimating".to_owned();
                 line.label.clone_from(label);
             }),
             CaptureEvent::Discarded { take, recording } => self.change(*take, |line| {
-                line.state = "discarded";
+                line.state = "discarded".to_owned();
                 line.recording = recording.clone().unwrap_or_default();
             }),
             CaptureEvent::Broken {
@@ -120,21 +120,21 @@ impl History {
                 error,
                 ..
             } => self.change(*take, |line| {
-                line.state = "broken";
+                line.state = "broken".to_owned();
                 line.is_good = Some(false);
                 line.recording.clone_from(recording);
                 line.text.clone_from(error);
             }),
             CaptureEvent::Estimated { take, report } => self.change(*take, |line| {
                 let estimate = &report.estimate;
-                line.state = estimate.verdict;
+                line.state.clone_from(&estimate.verdict);
                 line.is_good = Some(estimate.is_good());
                 line.output = Some(report.output.clone());
                 let doubt = estimate.doubts.first().map(|doubt| &doubt.text);
                 line.text.clone_from(doubt.unwrap_or(&estimate.reason));
             }),
             CaptureEvent::NotEstimated { take, error, .. } => self.change(*take, |line| {
-                line.state = "not estimated";
+                line.state = "not estimated".to_owned();
                 line.is_good = Some(false);
                 line.text.clone_from(error);
             }),
@@ -196,7 +196,8 @@ mod tests {
             (takes.len(), takes[0].take, takes[19].take),
             (TAKES, 30, 11)
         );
-        assert_eq!((takes[0].state, takes[2].state), ("discarded", "recording"));
+        let states = [&takes[0].state, &takes[2].state];
+        assert_eq!(states, ["discarded", "recording"]);
         assert_eq!(
             (takes[1].text.as_str(), takes[1].is_good),
             ("no marks", Some(false))

@@ -1,17 +1,15 @@
 //! What an estimate added to a recording, read back.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use serde::Deserialize;
-use serde::de::IgnoredAny;
 use typed_index_collections::TiVec;
 
 use super::super::error::WriteError;
 use super::super::estimate::{ESTIMATE_SCENE_NAME, SCENE_NAME};
 use super::super::topics;
 use crate::motion::{LinkIndex, PoseSample, Scene, Stamp};
-use crate::report::Provenance;
+use crate::report::{EstimateMessage, Provenance};
 use crate::sampling::{make_signs_continuous, stamp};
 use crate::wire::{Container, DecodeError, PoseFormat, decode_text};
 
@@ -30,7 +28,7 @@ pub struct WrittenMotion {
     pub events: Vec<(Stamp, String)>,
     /// From when on the motion is simulated, if it is.
     pub simulated_from: Option<Stamp>,
-    /// Names of what was free and is estimated.
+    /// Names of what was free and is estimated, in alphabetical order.
     pub parameters: Vec<String>,
     /// The estimated motion; empty of a link without one.
     pub estimates: TiVec<LinkIndex, Vec<PoseSample>>,
@@ -46,41 +44,6 @@ pub fn scene_of_estimate(container: &Container) -> Option<&[u8]> {
     };
     let scene = named(ESTIMATE_SCENE_NAME).or_else(|| named(SCENE_NAME));
     scene.map(|attachment| container.attachment_data(attachment))
-}
-
-/// What of the report says when the motion is.
-#[derive(Deserialize)]
-struct MotionReport {
-    verdict: String,
-    #[serde(default)]
-    provenance: Option<Provenance>,
-    events: Vec<WrittenEvent>,
-    #[serde(default)]
-    parameters: BTreeMap<String, IgnoredAny>,
-    settled: Option<Simulated>,
-    time_map: WrittenTimeMap,
-}
-
-#[derive(Deserialize)]
-struct WrittenEvent {
-    name: String,
-    time_s: f64,
-}
-
-#[derive(Deserialize)]
-struct Simulated {
-    from_s: f64,
-}
-
-#[derive(Deserialize)]
-struct WrittenTimeMap {
-    physical_zero: WrittenTime,
-}
-
-#[derive(Deserialize)]
-struct WrittenTime {
-    sec: i64,
-    nsec: i64,
 }
 
 /// What a channel of ours has.
@@ -99,7 +62,7 @@ impl WrittenMotion {
         let mut estimates: TiVec<LinkIndex, Vec<PoseSample>> =
             scene.links.iter().map(|_| Vec::new()).collect();
         let mut sketches = estimates.clone();
-        let mut report: Option<(MotionReport, Vec<u8>)> = None;
+        let mut report: Option<(EstimateMessage, Vec<u8>)> = None;
         let mut walk = container.walk();
         while let Some(message) = walk.next_message() {
             let Some((topic, has)) = channels.get(&message.channel_id) else {
@@ -116,7 +79,7 @@ impl WrittenMotion {
                 }
             }
         }
-        let (report, json) = report.ok_or_else(|| WriteError::NoEstimate {
+        let (message, json) = report.ok_or_else(|| WriteError::NoEstimate {
             path: path.to_owned(),
         })?;
         for samples in estimates.iter_mut().chain(&mut sketches) {
@@ -124,20 +87,22 @@ impl WrittenMotion {
             samples.dedup_by_key(|sample| sample.stamp);
             make_signs_continuous(samples);
         }
-        let WrittenTime { sec, nsec } = report.time_map.physical_zero;
-        let zero = Stamp(sec.saturating_mul(1_000_000_000).saturating_add(nsec));
+        let zero = message.time_map.physical_zero.unwrap_or_default().into();
+        let report = message.report;
         let events = report.events.into_iter();
         let events = events.map(|event| (stamp(zero, event.time_s), event.name));
         let mut events: Vec<(Stamp, String)> = events.collect();
         events.sort_by_key(|(at, _)| *at);
+        let parameters = report.parameters.0.into_iter();
+        let parameters: BTreeSet<String> = parameters.map(|(name, _)| name).collect();
         Ok(Self {
             verdict: report.verdict,
-            provenance: report.provenance,
+            provenance: message.provenance,
             report: json,
             zero,
             events,
             simulated_from: report.settled.map(|settled| stamp(zero, settled.from_s)),
-            parameters: report.parameters.into_keys().collect(),
+            parameters: parameters.into_iter().collect(),
             estimates,
             sketches,
         })
@@ -186,12 +151,23 @@ pub(super) fn json_of(data: &[u8]) -> Result<Vec<u8>, DecodeError> {
     }
 }
 
-/// What it says, and its JSON.
-fn report_of(data: &[u8]) -> Result<(MotionReport, Vec<u8>), DecodeError> {
+/// What it says, and its JSON. Fails where it does not say when the motion is.
+fn report_of(data: &[u8]) -> Result<(EstimateMessage, Vec<u8>), DecodeError> {
     let json = json_of(data)?;
-    let report = serde_json::from_slice(&json);
-    let report = report.map_err(|error| DecodeError::Json(error.to_string()))?;
-    Ok((report, json))
+    let message = EstimateMessage::read(&json);
+    let message = message.map_err(|error| DecodeError::Json(error.to_string()))?;
+    let report = &message.report;
+    let event_times = report.events.iter().map(|event| event.time_s);
+    let mut times = event_times.chain(report.settled.as_ref().map(|settled| settled.from_s));
+    let lacks = [
+        ("verdict", report.verdict.is_empty()),
+        ("physical zero", message.time_map.physical_zero.is_none()),
+        ("finite time", !times.all(f64::is_finite)),
+    ];
+    match lacks.into_iter().find(|(_, lacks)| *lacks) {
+        Some((what, _)) => Err(DecodeError::Missing(what)),
+        None => Ok((message, json)),
+    }
 }
 
 fn sample(format: PoseFormat, data: &[u8]) -> Result<PoseSample, DecodeError> {

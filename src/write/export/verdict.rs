@@ -1,11 +1,8 @@
 //! The verdict of an estimate that was written, without its motion.
 
-use serde::Deserialize;
-use serde::de::IgnoredAny;
-
 use super::super::topics;
 use super::motion::json_of;
-use crate::motion::{Fits, Verdict};
+use crate::report::EstimateReport;
 use crate::wire::Container;
 
 /// What an estimate says of itself first.
@@ -17,21 +14,6 @@ pub struct WrittenVerdict {
     pub is_good: bool,
     /// What speaks against it most, else why the estimation ended, as a sentence.
     pub why: String,
-}
-
-#[derive(Deserialize)]
-struct VerdictReport {
-    verdict: String,
-    fits: String,
-    reason: String,
-    doubts: Vec<WrittenDoubt>,
-    #[serde(default)]
-    suspects: Vec<IgnoredAny>,
-}
-
-#[derive(Deserialize)]
-struct WrittenDoubt {
-    text: String,
 }
 
 impl WrittenVerdict {
@@ -48,13 +30,15 @@ impl WrittenVerdict {
                 found = json_of(message.data).ok();
             }
         }
-        let report: VerdictReport = serde_json::from_slice(&found?).ok()?;
+        let report = EstimateReport::read(&found?).ok()?;
+        if report.verdict.is_empty() || report.fits.is_empty() {
+            return None;
+        }
+        let is_good = report.is_good();
         let doubt = report.doubts.into_iter().next().map(|doubt| doubt.text);
         Some(Self {
-            is_good: report.verdict == Verdict::Physical.as_str()
-                && report.fits != Fits::No.as_str()
-                && report.suspects.is_empty(),
             verdict: report.verdict,
+            is_good,
             why: doubt.unwrap_or(report.reason),
         })
     }
