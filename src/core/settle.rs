@@ -29,7 +29,7 @@ use crate::motion::{
     Estimate, JointTree, LinkIndex, MechanismIndex, Observer, Scene, Settled, SettledLink, Surface,
 };
 use crate::physics::tree::{Snapshot, Tree, TreeState};
-use crate::physics::{Body, State, flow};
+use crate::physics::{Body, State};
 
 /// Time between two poses \[s\], and the step of the simulation: at shorter ones rapier's bodies
 /// do not fall asleep.
@@ -170,14 +170,7 @@ fn last_state(
     let arcs = estimate.arcs.iter();
     let arcs = arcs.filter(|arc| arc.mechanism == mechanism);
     let last = arcs.max_by(|a, b| a.end_s.total_cmp(&b.end_s))?;
-    let since_s = time_s - last.epoch_s;
-    let body = scene.body_of(mechanism);
-    Some(flow::advance(
-        body,
-        &estimate.gravity_m_s2,
-        &last.state,
-        since_s,
-    ))
+    Some(scene.flown(last, &estimate.gravity_m_s2, time_s))
 }
 
 /// Joined bodies in a state.

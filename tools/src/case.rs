@@ -136,12 +136,9 @@ impl Case {
     pub fn true_state(&self, arc: usize, time_s: f64, offset_s: f64) -> State {
         let truth = &self.performance.truth;
         let arc = &truth.arcs[arc];
-        flow::advance(
-            truth.scene.body_of(arc.mechanism),
-            &truth.scene.gravity_m_s2,
-            &arc.state,
-            time_s - offset_s - arc.epoch_s,
-        )
+        truth
+            .scene
+            .flown(arc, &truth.scene.gravity_m_s2, time_s - offset_s)
     }
 
     /// The problem of an outcome, and the truth as a guess for it: the program's own guess where

@@ -3,7 +3,6 @@
 use enact::math::so3;
 use enact::motion::{End, Estimate, GoalTarget};
 use enact::physics::State;
-use enact::physics::flow;
 use enact::pipeline::Outcome;
 
 use crate::case::{Case, Posed};
@@ -121,14 +120,7 @@ pub fn simulated_goal_gap(case: &Case, estimate: &Estimate) -> (f64, f64) {
         .map(|mechanism| {
             let mut arcs = estimate.arcs.iter();
             let first = arcs.find(|arc| arc.mechanism == mechanism)?;
-            let since_s = start_s - first.epoch_s;
-            let body = scene.body_of(mechanism);
-            Some(flow::advance(
-                body,
-                &estimate.gravity_m_s2,
-                &first.state,
-                since_s,
-            ))
+            Some(scene.flown(first, &estimate.gravity_m_s2, start_s))
         })
         .collect();
     let (Some(initial), Some(last)) = (initial, estimate.events.last()) else {

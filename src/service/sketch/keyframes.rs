@@ -9,7 +9,6 @@ use crate::motion::{
     ArcEstimate, EventKind, Keyframe, Mark, Scene, SketchRow, Stamp, TakeEvent, Timing, TrackIndex,
     Verdict,
 };
-use crate::physics::flow;
 use crate::pipeline::Pipeline;
 
 /// How many keyframes are made of a motion.
@@ -247,8 +246,7 @@ fn keyframe(
     stamp: Stamp,
     time_s: f64,
 ) -> Keyframe {
-    let body = scene.body_of(arc.mechanism);
-    let state = flow::advance(body, &gravity_m_s2, &arc.state, time_s - arc.epoch_s);
+    let state = scene.flown(arc, &gravity_m_s2, time_s);
     let link_from_given = scene.links[scene.tracks[track].link].link_from_given;
     Keyframe::of_pose(stamp, &(state.world_from_body() * link_from_given))
 }

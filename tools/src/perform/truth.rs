@@ -285,12 +285,7 @@ impl Truth {
 
     /// The state at a time on an arc or beyond.
     pub(super) fn flown(&self, arc: &ArcEstimate, time_s: f64) -> State {
-        flow::advance(
-            self.scene.body_of(arc.mechanism),
-            &self.scene.gravity_m_s2,
-            &arc.state,
-            time_s - arc.epoch_s,
-        )
+        self.scene.flown(arc, &self.scene.gravity_m_s2, time_s)
     }
 }
 

@@ -11,9 +11,9 @@ use super::whole::Scene;
 use crate::math::{Pose, so3};
 use crate::motion::estimate::{ArcEstimate, Estimate};
 use crate::motion::index::LinkIndex;
+use crate::physics::State;
 use crate::physics::contact::{Contact, Feature, Frame};
 use crate::physics::tree::Snapshot;
-use crate::physics::{State, flow};
 
 /// How far an estimate is from one of the scene's goals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -248,14 +248,7 @@ impl Scene {
                 Moment::After => arcs.clone().find(begins),
             };
             let arc = at_its_side.or_else(|| arcs.clone().find(spans))?;
-            let body = self.body_of(mechanism);
-            let since_s = time_s - arc.epoch_s;
-            Some(flow::advance(
-                body,
-                &estimate.gravity_m_s2,
-                &arc.state,
-                since_s,
-            ))
+            Some(self.flown(arc, &estimate.gravity_m_s2, time_s))
         };
         self.condition_distance(goal, condition, &time_of, &state_of)
     }

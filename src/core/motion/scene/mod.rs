@@ -10,6 +10,7 @@ mod contacts;
 mod contradiction;
 mod estimated;
 mod event;
+mod flown;
 mod freedom;
 mod goal;
 mod goal_set;

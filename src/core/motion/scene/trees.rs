@@ -6,7 +6,6 @@ use super::whole::Scene;
 use crate::motion::estimate::Estimate;
 use crate::motion::held::HeldEstimate;
 use crate::motion::index::{LinkIndex, MechanismIndex};
-use crate::physics::flow;
 use crate::physics::tree::{Forest, Hand, Tree, TreeState};
 
 impl Scene {
@@ -113,10 +112,7 @@ impl Scene {
                 let arcs = estimate.arcs.iter();
                 let mut own = arcs.filter(|arc| arc.mechanism == mechanism);
                 let arc = own.rfind(|arc| arc.start_s <= time_s)?;
-                let since_s = time_s - arc.epoch_s;
-                let flown = self.body_of(mechanism);
-                let state = flow::advance(flown, gravity_m_s2, &arc.state, since_s);
-                Some(TreeState::of_body(&state))
+                Some(TreeState::of_body(&self.flown(arc, gravity_m_s2, time_s)))
             }
             Mechanism::Tree(_) => {
                 let motion = estimate.tree_motion(mechanism)?;

@@ -17,7 +17,6 @@ use super::turned::mounts;
 use crate::math::Pose;
 use crate::math::so3::{exp, log};
 use crate::motion::{MountSlip, QuaternionSlip, Remedy, Scene, TrackIndex};
-use crate::physics::flow;
 
 /// Least offset \[m\].
 const LEAST_M: f64 = 1e-3;
@@ -128,7 +127,6 @@ fn elsewhere(facts: &Facts, track: TrackIndex, turned: &Pose) -> Option<Pose> {
 pub(super) fn aligned(motion: &TriedMotion, track: TrackIndex) -> Option<Pose> {
     let (scene, estimate) = (&motion.scene, &motion.estimate);
     let mechanism = scene.mechanism_seen_by(track);
-    let body = scene.body_of(mechanism);
     let arcs = estimate
         .arcs
         .iter()
@@ -142,8 +140,7 @@ pub(super) fn aligned(motion: &TriedMotion, track: TrackIndex) -> Option<Pose> {
             else {
                 continue;
             };
-            let since_s = time_s - arc.epoch_s;
-            let state = flow::advance(body, &estimate.gravity_m_s2, &arc.state, since_s);
+            let state = scene.flown(arc, &estimate.gravity_m_s2, *time_s);
             sum += log(&(state.orientation.inverse() * seen));
             count += 1.0;
         }

@@ -8,7 +8,6 @@ use anyhow::Result;
 use enact::motion::{
     ArcEstimate, DropReason, Scene, Stamp, TakeEvent, Timing, TrackIndex, Verdict,
 };
-use enact::physics::flow;
 use enact::pipeline::Outcome;
 use enact::segment::clean::clean;
 use serde_json::json;
@@ -171,10 +170,10 @@ fn apart_m(case: &Case, with: &Outcome, without: &Outcome) -> f64 {
     let apart = arcs.map(|(a, b)| {
         let middle_s = 0.5 * (b.start_s + b.end_s);
         let at = |arc: &ArcEstimate| {
-            let body = case.scene().body_of(arc.mechanism);
-            let gravity_m_s2 = &with.estimate.gravity_m_s2;
-            let since_s = middle_s - arc.epoch_s;
-            flow::advance(body, gravity_m_s2, &arc.state, since_s).position_m
+            let flown = case
+                .scene()
+                .flown(arc, &with.estimate.gravity_m_s2, middle_s);
+            flown.position_m
         };
         (at(a) - at(b)).norm()
     });
