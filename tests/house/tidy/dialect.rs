@@ -8,7 +8,7 @@ use super::tokens::{Token, is_word};
 const TUPLES: usize = 20;
 
 /// Greatest number of names of types that are defined in several files.
-const NAMES: usize = 60;
+const NAMES: usize = 40;
 
 /// What is counted over all files.
 #[derive(Default)]
