@@ -318,11 +318,6 @@ fn collisions_that_are_not_done_are_refused() {
             "friction is for one contact",
         ),
         (
-            "restitution = 0.5",
-            "count = 2\nrestitution = 0.5",
-            "one by one",
-        ),
-        (
             "[[goal]]",
             "[[goal]]\nevent = \"hit 1\"\nbody = \"rod 2\"\ncontact = true\nposition_mm = [0, 0, 0]\n[[goal]]",
             "no point for goals",

@@ -6,6 +6,7 @@ use enact::motion::{Mark, PoseSample, Scene, Stamp, TakeEvent, TrackIndex};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 
 const RADIUS_M: f64 = 0.02;
 const FALL_M_S2: f64 = -9.80665;
@@ -13,6 +14,8 @@ const FALL_M_S2: f64 = -9.80665;
 const LAMP_M: f64 = 0.2;
 /// How far a hand wanders \[m\].
 const WANDER_M: f64 = 0.003;
+/// Standard deviation of a tracker's positions \[m\].
+const NOISE_M: f64 = 0.0005;
 
 /// What was performed.
 #[derive(Clone, Debug)]
@@ -29,6 +32,7 @@ pub struct Beside {
     bounce_s: f64,
     end_s: f64,
     phases: [f64; 2],
+    seed: u64,
 }
 
 impl Beside {
@@ -57,6 +61,7 @@ impl Beside {
             bounce_s,
             end_s: bounce_s + 0.85 * flies_s,
             phases: [within(0.0, 6.0), within(0.0, 6.0)],
+            seed,
         }
     }
 
@@ -143,9 +148,13 @@ impl Beside {
             Vector3::new(of(5.0, 0.0), of(7.0, 1.0), of(4.0, 2.0))
         };
         let counts = 0..=(self.end_s * self.rate_hz) as usize;
+        let mut random = ChaCha8Rng::seed_from_u64(self.seed);
+        random.set_stream(1 + track as u64);
         let poses = counts.map(|count| {
             let time_s = count as f64 / self.rate_hz;
-            let at_m = Translation3::from(at_m(time_s) + wander_m(time_s));
+            let mut noise_m = || NOISE_M * random.sample::<f64, _>(StandardNormal);
+            let noise_m = Vector3::from_fn(|_, _| noise_m());
+            let at_m = Translation3::from(at_m(time_s) + wander_m(time_s) + noise_m);
             let pose = Pose::from_parts(at_m, UnitQuaternion::identity());
             TakeEvent::Pose {
                 track: TrackIndex(track),

@@ -195,14 +195,21 @@ fn what_is_not_done_of_joined_bodies_beside_a_held_one_is_refused() {
     let swapped = with("parent = \"handle\"", "parent = \"rod\"");
     let swapped = swapped.replacen("child = \"rod\"", "child = \"handle\"", 1);
     let added = |more: &str| format!("{IN_HAND}{more}");
-    let hit = "[[event]]\nname = \"hit\"\nkind = \"collision\"\nbody = \"rod\"\nfeature = \"end -z\"\nsurface = \"table\"\n";
+    let hit = "[[event]]\nname = \"hit\"\nkind = \"collision\"\nbody = \"rod\"\nsurface = \"table\"\nrestitution = 0.5\nfriction = 0\n\
+        [[surface]]\nname = \"table\"\npoint_mm = [0, 0, 0]\nnormal = [0, 0, 1]\n";
     for (text, expected) in [
         (swapped, "expected it as the parent of what hangs from it"),
         (
             with("stamps = \"physical\"", "stamps = \"tempo\""),
             "where the tempo must be known: expected stamps = \"physical\"",
         ),
-        (added(hit), "expected no collision"),
+        (
+            with(
+                "[[event]]\nname = \"end\"",
+                &format!("{hit}[[event]]\nname = \"end\""),
+            ),
+            "expected no collision",
+        ),
         (
             added(
                 "[[goal]]\nevent = \"end\"\nbody = \"rod\"\nposition_mm = [0, 0, 0]\nrelative_to = \"handle\"\n",
