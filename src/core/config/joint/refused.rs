@@ -112,20 +112,6 @@ impl<'a> JoinedPart<'a> {
                 return fault(kind.span(), said);
             }
         }
-        for goal in raw
-            .goal
-            .iter()
-            .map(Spanned::get_ref)
-            .filter(|goal| self.has_goal(goal))
-        {
-            let Some(other) = &goal.relative_to else {
-                continue;
-            };
-            if scene.is_held(link_of(other, scene)?) {
-                let said = "goals of joined bodies are not relative to a held one, expected another body or angles_deg";
-                return fault(other.span(), said);
-            }
-        }
         Ok(())
     }
 

@@ -214,7 +214,7 @@ fn what_is_not_done_of_joined_bodies_beside_a_held_one_is_refused() {
             added(
                 "[[goal]]\nevent = \"end\"\nbody = \"rod\"\nposition_mm = [0, 0, 0]\nrelative_to = \"handle\"\n",
             ),
-            "not relative to a held one, expected another body or angles_deg",
+            "which is held and goes where it was tracked, expected a body that flies",
         ),
         (
             with("[timing]", "settle_s = 2\n\n[timing]"),
