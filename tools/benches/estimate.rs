@@ -254,22 +254,6 @@ mod initialise {
     fn cube_ten_bounces_known(bencher: divan::Bencher) {
         run(bencher, &cube());
     }
-
-    /// To be held against the next: what a lamp adds that nothing ties to it.
-    #[divan::bench]
-    fn ball(bencher: divan::Bencher) {
-        let of = Beside::of(SEED);
-        let scene = scene_from_toml(&of.ball_toml("", "")).expect("a valid scene");
-        let events = of.take_of_ball();
-        bencher.bench_local(|| estimated(&scene, &events, &mut ()));
-    }
-
-    #[divan::bench]
-    fn ball_beside_a_lamp(bencher: divan::Bencher) {
-        let of = Beside::of(SEED);
-        let (scene, events) = (of.scene(), of.take());
-        bencher.bench_local(|| estimated(&scene, &events, &mut ()));
-    }
 }
 
 /// One iteration of the finish at the guess: objective and constraints with all derivatives,
@@ -311,22 +295,6 @@ mod iteration {
     #[divan::bench]
     fn cube_ten_bounces_known(bencher: divan::Bencher) {
         run(bencher, &cube());
-    }
-
-    /// To be held against the next: what a lamp adds that nothing ties to it.
-    #[divan::bench]
-    fn ball(bencher: divan::Bencher) {
-        let of = Beside::of(SEED);
-        let scene = scene_from_toml(&of.ball_toml("", "")).expect("a valid scene");
-        let events = of.take_of_ball();
-        bencher.bench_local(|| estimated(&scene, &events, &mut ()));
-    }
-
-    #[divan::bench]
-    fn ball_beside_a_lamp(bencher: divan::Bencher) {
-        let of = Beside::of(SEED);
-        let (scene, events) = (of.scene(), of.take());
-        bencher.bench_local(|| estimated(&scene, &events, &mut ()));
     }
 }
 
