@@ -22,6 +22,12 @@ pub struct Penetration {
 }
 
 impl Penetration {
+    /// The deeper of two; the first of two that are as deep.
+    pub fn deeper(one: Option<Self>, other: Option<Self>) -> Option<Self> {
+        let both = [one, other].into_iter().flatten();
+        both.reduce(|a, b| if b.depth_m > a.depth_m { b } else { a })
+    }
+
     /// The doubt that it casts, where so much is tolerated \[m\].
     pub fn doubt(&self, tolerance_m: f64) -> Doubt {
         Doubt {
@@ -205,8 +211,7 @@ impl Balance {
 impl Verification {
     /// The results of the checks of two motions of one scene.
     pub fn with(mut self, other: Self) -> Self {
-        let both = [self.deepest, other.deepest].into_iter().flatten();
-        self.deepest = both.reduce(|a, b| if b.depth_m > a.depth_m { b } else { a });
+        self.deepest = Penetration::deeper(self.deepest, other.deepest);
         self.touches.extend(other.touches);
         self.touches.sort_by_key(|touch| touch.event);
         self.pulls.extend(other.pulls);

@@ -5,8 +5,8 @@ use super::outcome::{Outcome, PipelineError};
 use super::perform::marks;
 use super::search::SearchWork;
 use crate::motion::{
-    DurationEstimate, End, Estimate, Fit, FitUntold, Fits, Group, LinkIndex, Observer, Place,
-    SampleCounts, Scene, TakeEvent, Undetermined, Verdict,
+    DurationEstimate, End, Estimate, Fit, FitUntold, Fits, Group, LinkIndex, Observer, Penetration,
+    Place, SampleCounts, Scene, TakeEvent, Undetermined, Verdict,
 };
 use crate::segment;
 use crate::verify::deepest_between;
@@ -118,9 +118,7 @@ impl Groups {
         let doubts = outcome.estimate.doubts.drain(..).chain([doubt]).collect();
         outcome.estimate.doubt(doubts);
         if let Some(checks) = &mut outcome.verification {
-            let known_m = checks.deepest.map_or(0.0, |known| known.depth_m);
-            checks.deepest = checks.deepest.filter(|_| known_m >= deepest.depth_m);
-            checks.deepest = checks.deepest.or(Some(deepest));
+            checks.deepest = Penetration::deeper(checks.deepest, Some(deepest));
         }
     }
 
@@ -161,7 +159,7 @@ impl Groups {
             whole.duration = longer(&whole.duration, &estimate.duration);
             let samples = [count, seen(estimate)];
             whole.fit = both_fit(&whole.fit, &estimate.fit, samples);
-            count += seen(estimate);
+            count += samples[1];
             whole.residuals.extend(estimate.residuals.iter().map(|of| {
                 let mut of = *of;
                 of.arc += first_arc;

@@ -70,9 +70,7 @@ fn deepest_of<'w>(
             break;
         }
         let found = OverlapScan::new(world, &meeting).run(touches, observer);
-        if found.is_some_and(|found| deepest.is_none_or(|known| found.depth_m > known.depth_m)) {
-            deepest = found;
-        }
+        deepest = Penetration::deeper(deepest, found);
     }
     deepest
 }
