@@ -3,39 +3,20 @@
 use enact::math::{Pose, so3};
 use enact::motion::{EventKind, Mark, PoseSample, Stamp, TakeEvent, Timing, TrackIndex};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use rand::{Rng, RngExt, SeedableRng};
+use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use typed_index_collections::TiVec;
 
 use super::acting::{Acting, Outliers};
 use super::performance::Performance;
+use super::streams::{Role, stream};
 use super::tempo::Tempo;
 use super::truth::Truth;
 use super::wander::{HAND_ORIENTATION, HAND_POSITION, Wander};
 
-/// What a stream of random numbers is for: a knob changes nothing but what it is about.
-#[derive(Clone, Copy)]
-enum Role {
-    Tempo,
-    Marks,
-    PositionWander,
-    OrientationWander,
-    Noise,
-    Jitter,
-    Dropouts,
-    Phase,
-    Outliers,
-}
-
 /// Streams of random numbers per track: more than an edited sketch has segments.
 const STREAMS: usize = 64;
-
-fn stream(seed: u64, role: Role, channel: usize) -> ChaCha8Rng {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    rng.set_stream(role as u64 + 16 * channel as u64);
-    rng
-}
 
 fn normal(rng: &mut impl Rng) -> f64 {
     StandardNormal.sample(rng)

@@ -18,6 +18,7 @@ pub mod keyframes;
 pub mod performance;
 pub mod recording;
 pub mod rolls;
+mod streams;
 pub mod styles;
 pub mod tempo;
 pub mod truth;
