@@ -1,20 +1,28 @@
 //! The performance maker acts as badly as its knobs say, and no worse.
 
 use enact::math::so3;
-use enact::motion::{LinkIndex, TakeEvent, Timing, TrackIndex};
+use enact::motion::{TakeEvent, Timing, TrackIndex};
 use enact_tools::perform::{Acting, Performance, Style, bounces, hat_box, perform};
 use nalgebra::Vector3;
 
-/// Errors of all samples: shift [m, world] and turn [rad, body].
 fn errors(performance: &Performance) -> Vec<(Vector3<f64>, Vector3<f64>)> {
+    errors_of(performance, TrackIndex(0))
+}
+
+/// Errors of all samples of a track: shift [m, world] and turn [rad, body].
+pub(crate) fn errors_of(
+    performance: &Performance,
+    track: TrackIndex,
+) -> Vec<(Vector3<f64>, Vector3<f64>)> {
     let sketch = performance.sketch();
-    let samples = sketch.tracks[TrackIndex(0)]
+    let link = performance.truth.scene.tracks[track].link;
+    let samples = sketch.tracks[track]
         .samples
         .iter()
-        .zip(&performance.sample_times_s[TrackIndex(0)]);
+        .zip(&performance.sample_times_s[track]);
     samples
         .map(|(sample, time_s)| {
-            let truth = performance.truth.state(LinkIndex(0), *time_s);
+            let truth = performance.truth.state(link, *time_s);
             let orientation = sample.seen.orientation().unwrap();
             let turn = so3::log(&(truth.orientation.inverse() * orientation));
             (sample.seen.position_m().unwrap() - truth.position_m, turn)

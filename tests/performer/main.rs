@@ -2,6 +2,7 @@
 
 mod acting;
 mod hand;
+mod kinks;
 mod objects;
 mod scenes;
 #[path = "../support/skip.rs"]

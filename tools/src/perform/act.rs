@@ -9,6 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 use typed_index_collections::TiVec;
 
 use super::acting::{Acting, Outliers};
+use super::kink::Kinks;
 use super::performance::Performance;
 use super::streams::{Role, stream};
 use super::tempo::Tempo;
@@ -139,7 +140,11 @@ fn tracked(
         length_s: whole_s - phase_s,
     };
     let of = &truth.scene.tracks[track];
-    let poses = |acted_s: f64| truth.world_from_body(of.link, tempo.physical_s(acted_s));
+    let kinks = Kinks::of(truth, of.link, tempo, acting.kink_s);
+    let poses = |acted_s: f64| {
+        let truly = truth.world_from_body(of.link, tempo.physical_s(acted_s));
+        kinks.rounded(truly, acted_s)
+    };
     let shots = film.shots(&of.link_from_tracker, poses).into_iter();
     let delivery = |(acted_s, sample)| {
         let pose = TakeEvent::Pose {

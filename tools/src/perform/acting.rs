@@ -20,6 +20,10 @@ pub struct Acting {
     /// Seconds of the hand's wander per second of acted time: 1, or the slowdown that a motion
     /// acted at full speed is to look as if it had.
     pub wander_pace: f64,
+    /// How the hand rounds the kinks of its path at impacts: standard deviation of a Gaussian
+    /// [s, acted, as it is the hand's and not the motion's]; 0: not at all. Edited sketches have none.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub kink_s: f64,
     /// White noise of the tracker's position \[m\].
     pub noise_position_m: f64,
     /// White noise of the tracker's orientation \[rad\].
@@ -52,6 +56,10 @@ pub struct Acting {
     /// When acting begins.
     #[serde(skip)]
     pub start: Stamp,
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// Readings that are wrong altogether: in bursts of one to three, half of them by the same jump,
@@ -109,6 +117,7 @@ impl Default for Acting {
             wander_orientation_rad: 8_f64.to_radians(),
             distortion: 1.0,
             wander_pace: 1.0,
+            kink_s: 0.0,
             noise_position_m: 0.0005,
             noise_orientation_rad: 0.3_f64.to_radians(),
             resolution_m: 1e-7,
@@ -184,6 +193,7 @@ impl Acting {
             ("wander_position_m", self.wander_position_m),
             ("wander_orientation_rad", self.wander_orientation_rad),
             ("distortion", self.distortion),
+            ("kink_s", self.kink_s),
             ("noise_position_m", self.noise_position_m),
             ("noise_orientation_rad", self.noise_orientation_rad),
             ("resolution_m", self.resolution_m),

@@ -2,8 +2,8 @@
 //!
 //! A true physical motion ([`truth`], [`styles`], [`hat_box`], [`mod@bounces`], [`mod@clatter`], [`mod@flips`], [`rolls`]; [`die`] is
 //! none) is performed as a person would ([`act`]): slowly, in a wavering [`tempo`], with a hand
-//! that wanders ([`wander`]), before a tracker that is noisy, jitters and loses sight. A seed and
-//! the knobs in [`acting`] determine every byte.
+//! that wanders ([`wander`]) and may round what impacts bend, before a tracker that is noisy, jitters
+//! and loses sight. A seed and the knobs in [`acting`] determine every byte.
 
 pub mod act;
 pub mod acting;
@@ -15,6 +15,7 @@ pub mod flips;
 pub mod hat_box;
 pub mod held;
 pub mod keyframes;
+mod kink;
 pub mod performance;
 pub mod recording;
 pub mod rolls;

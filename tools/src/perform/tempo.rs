@@ -54,8 +54,20 @@ impl Tempo {
         if acted_s >= self.acted_duration_s && self.acted_duration_s > 0.0 {
             return self.duration_s;
         }
-        let knot = ((acted_s / STEP_S) as usize).min(self.knots.len() - 2);
+        let knot = self.knot_before(acted_s);
         self.within(knot, acted_s / STEP_S - knot as f64)
+    }
+
+    /// Physical seconds per acted second, at an acted time within the motion.
+    pub fn rate(&self, acted_s: f64) -> f64 {
+        let knot = self.knot_before(acted_s);
+        let x = acted_s / STEP_S - knot as f64;
+        let (rise, [a, b]) = self.cubic(knot);
+        (rise + (1.0 - 2.0 * x) * (a * (1.0 - x) - b * x) - x * (1.0 - x) * (a + b)) / STEP_S
+    }
+
+    fn knot_before(&self, acted_s: f64) -> usize {
+        ((acted_s / STEP_S) as usize).min(self.knots.len() - 2)
     }
 
     /// Acted time at which the motion's `physical_s` is acted, within the motion: bisection, to
@@ -82,9 +94,14 @@ impl Tempo {
 
     /// Hermite's cubic after a knot, at a fraction of the step.
     fn within(&self, knot: usize, x: f64) -> f64 {
+        let (rise, [a, b]) = self.cubic(knot);
+        self.knots[knot][0] + x * rise + x * (1.0 - x) * (a * (1.0 - x) - b * x)
+    }
+
+    /// How far it rises in the step, and how much more it would at the slopes of its ends.
+    fn cubic(&self, knot: usize) -> (f64, [f64; 2]) {
         let ([from, slope_from], [to, slope_to]) = (self.knots[knot], self.knots[knot + 1]);
         let rise = to - from;
-        let (a, b) = (slope_from * STEP_S - rise, slope_to * STEP_S - rise);
-        from + x * rise + x * (1.0 - x) * (a * (1.0 - x) - b * x)
+        (rise, [slope_from * STEP_S - rise, slope_to * STEP_S - rise])
     }
 }

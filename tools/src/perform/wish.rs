@@ -124,6 +124,9 @@ pub struct Knobs {
     /// Seconds of the hand's wander per acted second
     #[arg(long)]
     wander_pace: Option<f64>,
+    /// Rounding of the path at impacts, standard deviation in acted time; 0: sharp kinks
+    #[arg(long)]
+    kink_ms: Option<f64>,
     /// White noise of the tracker, per axis
     #[arg(long)]
     noise_position_mm: Option<f64>,
@@ -187,6 +190,7 @@ impl Knobs {
             ),
             distortion: or(self.distortion, 1.0, base.distortion),
             wander_pace: or(self.wander_pace, 1.0, base.wander_pace),
+            kink_s: or(self.kink_ms, 1e-3, base.kink_s),
             noise_position_m: or(self.noise_position_mm, 1e-3, base.noise_position_m),
             noise_orientation_rad: or(
                 self.noise_orientation_deg,
