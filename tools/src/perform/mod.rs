@@ -10,6 +10,7 @@ pub mod acting;
 pub mod bounces;
 pub mod clatter;
 pub mod die;
+mod drawn;
 pub mod encounter;
 pub mod flips;
 pub mod hat_box;

@@ -15,6 +15,7 @@ pub(super) enum Role {
     Dropouts,
     Phase,
     Outliers,
+    Knobs,
 }
 
 /// The stream of a seed for a purpose; tracks, or segments of an edited sketch, have channels of their own.
