@@ -1,6 +1,7 @@
 //! How a hand rounds the kinks of a path: an impact changes a velocity at once, and no hand does.
 //!
-//! Each kink is convolved with a Gaussian of standard deviation `τ`, the flights beside it are not. With a velocity that changes by `Δv` at the acted time `s_k` and `u = (s − s_k)/τ` that adds
+//! Each kink is convolved with a Gaussian of standard deviation `τ`, the flights beside it are not.
+//! With a velocity that changes by `Δv` at the acted time `s_k` and `u = (s − s_k)/τ` that adds
 //!
 //! ```text
 //! Δv τ (φ(u) − |u| Φ(−|u|))
