@@ -22,32 +22,26 @@ pub(super) fn fit_note(estimate: &Estimate) -> Option<String> {
         Ok(fit) => fit,
     };
     let whole = fit.whole.as_ref()?;
+    let hides = hidden(whole).map_or(String::new(), |what| format!(", which hides {what}"));
     match fit.fits {
-        Fits::Unknown if whole.is_noise => Some(format!(
-            "noise explains what is left, and hides {}",
-            hidden(whole)
-        )),
+        Fits::Unknown if whole.is_noise => Some(format!("noise explains what is left{hides}")),
         Fits::Unknown => Some(format!(
-            "more is left than noise; a wander of the hand may be the reason, and hides {}",
-            hidden(whole)
+            "more is left than noise; a wander of the hand may be the reason{hides}"
         )),
-        Fits::Yes if !whole.is_noise => Some(format!(
-            "what is left is a wander of the hand, which hides {}",
-            hidden(whole)
-        )),
+        Fits::Yes if !whole.is_noise => {
+            Some(format!("what is left is a wander of the hand{hides}"))
+        }
         _ => None,
     }
 }
 
-fn hidden(whole: &WholeFit) -> String {
-    if whole.shown_m.is_finite() {
-        format!(
-            "joints that are up to {:.0} mm elsewhere",
-            1e3 * whole.shown_m
-        )
-    } else {
-        "wherever joints are".to_owned()
-    }
+/// What of joints does not show.
+fn hidden(whole: &WholeFit) -> Option<String> {
+    let shown_m = whole.shown_m?;
+    Some(match shown_m.is_finite() {
+        true => format!("joints that are up to {:.0} mm elsewhere", 1e3 * shown_m),
+        false => "wherever joints are".to_owned(),
+    })
 }
 
 /// Names of what samples would tell nothing of, were it wrong.

@@ -19,5 +19,6 @@ mod skip;
 mod small_dice;
 mod stress;
 mod tempo;
+mod wanders;
 mod waypoints;
 mod waypoints_said;

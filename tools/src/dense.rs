@@ -55,7 +55,7 @@ impl Uncertainty {
             free,
             scale,
             library,
-            white: covariance.noise.white,
+            white: covariance.noise()?.white,
             sds: covariance.sds(&all.iter().map(|at| vec![(*at, 1.0)]).collect::<Vec<_>>()),
         })
     }

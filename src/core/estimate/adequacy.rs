@@ -14,6 +14,7 @@ mod leaning;
 mod part;
 mod score;
 mod suspects;
+pub(super) mod wandering;
 
 use std::collections::BTreeSet;
 
@@ -72,6 +73,9 @@ pub fn judge(
     observer: &mut dyn Observer,
 ) -> Result<Judged, FitUntold> {
     let problem = context.problem;
+    if let Some(weave) = &problem.weave {
+        return wandering::judge(context, weave, solution, errors, performance, observer);
+    }
     let alone = Alone::new(context, &solution.point, &solution.system);
     let alone = alone.ok_or(FitUntold::FewSamples)?;
     let mut tests = tests(context, &alone, solution, observer);

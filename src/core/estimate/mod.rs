@@ -6,7 +6,7 @@
 //! - [`problem`]: arcs, events, goals, and the roles of parameters beside gravity and laws ([`problem::influence`]).
 //! - [`unknowns`]: their places in a step and their values.
 //! - [`terms`]: the objective. `reach`: states at events with derivatives.
-//! - [`covariance`]: how certain unknowns are.
+//! - [`wander`]: the errors of a hand as a process in time. [`covariance`]: how certain unknowns are.
 //! - [`constraint`]: one file for each kind of hard condition. `curvature`: second derivatives of rows and residuals.
 //! - `posing`: the problem of a scene and a sketch. Waypoints are moments of flights: one unknown each, and no cut. Bodies in
 //!   the hand have no flights, but a state at each of their collisions.
@@ -30,6 +30,7 @@ pub mod terms;
 mod tests;
 pub mod tree;
 pub mod unknowns;
+pub mod wander;
 
 pub use covariance::whitened::Whitened;
 pub use schedule::recipe::Recipe;

@@ -6,6 +6,7 @@ pub(in crate::estimate) mod regulariser;
 pub(in crate::estimate) mod sample_order;
 pub(in crate::estimate) mod seen;
 pub(in crate::estimate) mod waypoint;
+mod weaving;
 
 use self::conditions::{conditions, flight_at};
 use self::nodes::Nodes;
@@ -163,6 +164,7 @@ impl Problem {
             },
             nodes_acted_s: nodes.acted_s,
             performer: scene.performer,
+            weave: None,
             position_unit_m: scene.weights.position_m,
             orientation_unit_rad: scene.weights.orientation_rad,
             keeps_starts: scene.is_keyframed(sketch),

@@ -3,6 +3,7 @@
 pub mod arc_condition;
 pub mod influence;
 pub(in crate::estimate) mod pull;
+pub mod weave;
 
 use std::ops::Range;
 
@@ -12,6 +13,7 @@ use typed_index_collections::TiVec;
 use self::arc_condition::ArcCondition;
 use self::influence::{Acting, Role};
 use self::pull::Pull;
+use self::weave::Weave;
 use crate::math::Pose;
 use crate::motion::held::StateCovariance;
 use crate::motion::{
@@ -459,6 +461,8 @@ pub struct Problem {
     pub tempo_sd_per_sqrt_s: Option<f64>,
     /// Whether a hand acted the performance.
     pub performer: Performer,
+    /// Which samples err together; `None` where each errs by itself.
+    pub weave: Option<Weave>,
     /// One unit of position residual \[m\].
     pub position_unit_m: f64,
     /// One unit of orientation residual \[rad\].

@@ -7,6 +7,7 @@ pub mod last;
 mod nearby;
 mod rivals;
 pub(in crate::estimate) mod simulate;
+mod wandering;
 
 use std::cmp::Ordering;
 
@@ -19,8 +20,8 @@ use crate::estimate::terms::context::{Guidance, SolveContext};
 use crate::estimate::unknowns::layout::Layout;
 use crate::estimate::unknowns::point::Point;
 use crate::motion::{
-    Counters, End, Estimate, FitUntold, Guess, Observer, Performance, Phase, Quiet, Scene, Segment,
-    Sketch, VelocityGaps, Verdict,
+    Counters, End, Estimate, FitUntold, Guess, Observer, Performance, Performer, Phase, Quiet,
+    Scene, Segment, Sketch, VelocityGaps, Verdict,
 };
 use crate::optimise::{Program, Work};
 
@@ -209,8 +210,15 @@ pub fn estimate(
         rivals,
         ..
     } = found.expect("solved one way or the other");
-    let posed = bent.unwrap_or(exact);
-    let context = posed.context(recipe::epochs_s(&guesses[best]), &solution.point);
+    let (mut posed, mut solution) = (bent.unwrap_or(exact), solution);
+    let epochs_s = recipe::epochs_s(&guesses[best]);
+    if scene.performer == Performer::Wandering
+        && let Some(refined) = wandering::refined(&posed, &solution, &epochs_s, observer)
+    {
+        add(&mut work, &refined.1.work, 0);
+        (posed, solution) = refined;
+    }
+    let context = posed.context(epochs_s, &solution.point);
     let errors = outcome::errors(&posed.problem, &context, &solution.point);
     let mut estimate = outcome::estimate(scene, sketch, &context, &solution, &errors, work);
     estimate.rivals = rivals;

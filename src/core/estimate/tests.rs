@@ -24,6 +24,7 @@ mod approach;
 pub(super) mod conditions;
 mod held;
 mod waypoints;
+mod woven;
 
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.8);
 

@@ -38,7 +38,7 @@ pub struct Fit {
     /// The test at each event where flights meet or goals hold, in order of time, then that of each
     /// flight that ends at none of them.
     pub parts: Vec<PartFit>,
-    /// The test of the motion as a whole, of joined bodies.
+    /// The test of the motion as a whole, of joined bodies, and where errors are a process in time.
     pub whole: Option<WholeFit>,
 }
 
@@ -51,8 +51,9 @@ pub struct WholeFit {
     pub is_noise: bool,
     /// Logarithm of the odds that residuals show a wander.
     pub log_odds_of_wander: f64,
-    /// How far the place of any joint must be off to be suspected \[m\]: less hides behind noise and wander.
-    pub shown_m: f64,
+    /// How far the place of any joint must be off to be suspected \[m\]: less hides behind noise and wander. None without
+    /// joints.
+    pub shown_m: Option<f64>,
     /// What samples would tell nothing of, were it wrong.
     pub untold: Vec<Quantity>,
 }
@@ -97,7 +98,11 @@ impl WholeFit {
             },
             is_noise: self.is_noise && other.is_noise,
             log_odds_of_wander: self.log_odds_of_wander.min(other.log_odds_of_wander),
-            shown_m: self.shown_m.max(other.shown_m),
+            shown_m: self
+                .shown_m
+                .into_iter()
+                .chain(other.shown_m)
+                .reduce(f64::max),
             untold: untold.copied().collect(),
         }
     }

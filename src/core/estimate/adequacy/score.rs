@@ -29,6 +29,8 @@ use crate::optimise::{Program, System};
 /// Greatest number of refinements of a direction; they end where one changes less than this share.
 const REFINEMENTS: usize = 3;
 const REFINED: f64 = 1e-6;
+/// The same where samples err in time: what holds a motion there pulls by much more than what a direction changes.
+const EXACTLY: (usize, f64) = (12, 1e-11);
 
 /// The solution of the problem in which the suspected quantities are parameters too, at the values
 /// that the scene gives them.
@@ -186,7 +188,11 @@ fn direction(
     // Minus the derivative of the quadratic penalty's gradient along the direction so far.
     let mut direction = unit;
     let mut rows = Vec::new();
-    for refinement in 0..REFINEMENTS {
+    let (refinements, refined) = match context.problem.weave {
+        Some(_) => EXACTLY,
+        None => (REFINEMENTS, REFINED),
+    };
+    for refinement in 0..refinements {
         system.along(context.structure(), &direction, &mut rows);
         let mut pulled = DVector::zeros(direction.len());
         if refinement == 0 {
@@ -199,7 +205,7 @@ fn direction(
         );
         let mut step = pulled.rows(0, size).into_owned();
         kkt.solve(base.structure(), &mut step);
-        let is_refined = step.amax() <= REFINED * direction.amax();
+        let is_refined = step.amax() <= refined * direction.amax();
         let mut own = direction.rows_mut(0, size);
         own -= step;
         if is_refined {

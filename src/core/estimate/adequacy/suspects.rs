@@ -7,7 +7,7 @@ mod scored;
 mod trial;
 mod wider;
 
-pub(super) use self::candidates::Which;
+pub(super) use self::candidates::{Which, candidates};
 pub(super) use self::errors::Errors;
 pub(super) use self::scored::scored;
 pub(super) use self::trial::{SolvedMotion, tried};

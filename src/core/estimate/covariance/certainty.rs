@@ -5,8 +5,10 @@ use nalgebra::{DMatrix, DVector};
 use super::bins::{Bins, Residuals, Six};
 use super::noise::Noise;
 use super::trace::Design;
-use crate::estimate::terms::context::SolveContext;
+use crate::estimate::problem::weave::Weave;
+use crate::estimate::terms::context::{Guidance, SolveContext};
 use crate::estimate::terms::held;
+use crate::estimate::terms::objective::Objective;
 use crate::estimate::unknowns::point::Point;
 use crate::math::random::Random;
 use crate::math::span::Span;
@@ -42,9 +44,19 @@ pub struct Covariance<'a> {
     curved: Option<Envelope>,
     /// Gradient of the Lagrangian without the pulls of bounds: where these act, it is not zero.
     slope: DVector<f64>,
-    design: Design<'a>,
-    /// Covariance of the residuals.
-    pub noise: Noise,
+    errors: CovarianceOfErrors<'a>,
+}
+
+/// What is known of the samples' errors.
+enum CovarianceOfErrors<'a> {
+    /// They are about a motion that was found as if each was by itself.
+    Found {
+        design: Design<'a>,
+        /// Their covariance.
+        noise: Noise,
+    },
+    /// The weights are those of the errors: the samples' own part of the Hessian.
+    Weighed(Box<Envelope>),
 }
 
 impl<'a> Covariance<'a> {
@@ -60,56 +72,36 @@ impl<'a> Covariance<'a> {
     ) -> Option<Self> {
         let curved = curved(context, (point, system), multipliers);
         let kkt = with_soft_bounds(context, system, curved.as_ref(), multipliers)?;
-        let bins = Bins::new(context.problem, point);
-        let mut covariance = Self {
+        let slope = slope_without_bounds(context, system, multipliers);
+        let errors = match &context.problem.weave {
+            Some(weave) => CovarianceOfErrors::Weighed(Box::new(of_samples(context, point, weave))),
+            None => found(context, point, system, &kkt, residuals),
+        };
+        Some(Self {
             context,
             system,
             point,
             kkt,
             curved,
-            slope: slope_without_bounds(context, system, multipliers),
-            design: Design::new(context, point, &bins),
-            noise: Noise::stated(),
-        };
-        let nodes = context.layout.nodes.iter().flatten().count();
-        // Of held bodies' states, the priors say more than the samples of what hits them.
-        let of_held = state::DIMENSION * context.layout.held.len();
-        let told = equalities(system) + nodes + of_held;
-        let free = context.layout.size().saturating_sub(told) + DIRECTIONS_MORE;
-        if free <= DIRECTIONS_MAX {
-            let absorbed = covariance.absorbed(&bins, free);
-            covariance.noise = Noise::of(&bins, residuals, &absorbed);
-        }
-        Some(covariance)
+            slope,
+            errors,
+        })
     }
 
-    /// Directions of the bins' means that the fit has absorbed, orthonormal: the images of as many
-    /// random steps as there are free directions; and where times are unknown, each bin along its
-    /// flight.
-    fn absorbed(&self, bins: &Bins, free: usize) -> Vec<Vec<Six>> {
-        let layout = self.context.layout;
-        let mut directions: Vec<Vec<Six>> = Vec::new();
-        if self.context.problem.times_are_unknown() {
-            for (bin, rate) in self.design.rates().into_iter().enumerate() {
-                let mut column = vec![[0.0; 6]; bins.count()];
-                column[bin] = rate;
-                directions.push(column);
-            }
+    /// The covariance of the residuals, where the motion was found as if each was by itself.
+    pub fn noise(&self) -> Option<&Noise> {
+        match &self.errors {
+            CovarianceOfErrors::Found { noise, .. } => Some(noise),
+            CovarianceOfErrors::Weighed(_) => None,
         }
-        let mut random = Random::default();
-        directions.extend((0..free).map(|_| {
-            let hessian = &self.system.hessian;
-            let mut step = DVector::from_fn(layout.size(), |at, _| {
-                random.signed()
-                    * hessian
-                        .get(&layout.structure.pattern, at, at)
-                        .max(0.0)
-                        .sqrt()
-            });
-            self.kkt.solve(self.context.structure(), &mut step);
-            bins.means(&self.design.sums(&step))
-        }));
-        orthonormal(&directions)
+    }
+
+    /// The same, to be replaced by another.
+    pub fn noise_mut(&mut self) -> Option<&mut Noise> {
+        match &mut self.errors {
+            CovarianceOfErrors::Found { noise, .. } => Some(noise),
+            CovarianceOfErrors::Weighed(_) => None,
+        }
     }
 
     /// `(H + w CᵀC)⁻¹` of the unknowns `at`: their covariance if the weights were those of the
@@ -145,9 +137,8 @@ impl<'a> Covariance<'a> {
     /// Standard deviation of the quantity `mᵀu` with `answer = P m` and `own = mᵀ P m`; `None`
     /// where the performance does not determine it.
     pub fn sd_of_answer(&self, own: f64, answer: &DVector<f64>) -> Option<f64> {
-        let trace = self.design.trace(answer);
+        let (seen, variance) = self.seen(answer);
         let (marks, beyond) = self.marks(answer);
-        let seen = trace.squares[0] + trace.squares[1];
         // Written so that NaN is undetermined too.
         let is_damped = !(self.kkt.damped(answer) < DAMPING_SHARE_MAX * own);
         // Curvature leads errors on to what it holds; it is not known better for that.
@@ -157,7 +148,24 @@ impl<'a> Covariance<'a> {
             return None;
         }
         let priors = (known - seen + beyond).max(0.0);
-        Some((self.noise.variance(&trace) + priors).sqrt())
+        Some((variance + priors).sqrt())
+    }
+
+    /// Information of samples about an answer, and the variance that their errors make of it.
+    fn seen(&self, answer: &DVector<f64>) -> (f64, f64) {
+        match &self.errors {
+            CovarianceOfErrors::Found { design, noise } => {
+                let trace = design.trace(answer);
+                (trace.squares[0] + trace.squares[1], noise.variance(&trace))
+            }
+            CovarianceOfErrors::Weighed(of_samples) => {
+                let mut product = DVector::zeros(answer.len());
+                let pattern = &self.context.structure().pattern;
+                of_samples.multiply_add(pattern, answer, &mut product);
+                let seen = answer.dot(&product);
+                (seen, seen)
+            }
+        }
     }
 
     /// The part of `xᵀ P⁻¹ x` from curvature.
@@ -225,6 +233,75 @@ impl<'a> Covariance<'a> {
         }
         (squares, beyond)
     }
+}
+
+/// The covariance of residuals about a motion that was found as if each was by itself.
+fn found<'a>(
+    context: &'a SolveContext<'a>,
+    point: &'a Point,
+    system: &'a System,
+    kkt: &Kkt,
+    residuals: &[Residuals],
+) -> CovarianceOfErrors<'a> {
+    let bins = Bins::new(context.problem, point);
+    let design = Design::new(context, point, &bins);
+    let nodes = context.layout.nodes.iter().flatten().count();
+    // Of held bodies' states, the priors say more than the samples of what hits them.
+    let of_held = state::DIMENSION * context.layout.held.len();
+    let told = equalities(system) + nodes + of_held;
+    let free = context.layout.size().saturating_sub(told) + DIRECTIONS_MORE;
+    let noise = match free <= DIRECTIONS_MAX {
+        true => {
+            let absorbed = absorbed(context, system, kkt, &design, &bins, free);
+            Noise::of(&bins, residuals, &absorbed)
+        }
+        false => Noise::stated(),
+    };
+    CovarianceOfErrors::Found { design, noise }
+}
+
+/// Directions of the bins' means that the fit has absorbed, orthonormal: the images of as many
+/// random steps as there are free directions; and where times are unknown, each bin along its
+/// flight.
+fn absorbed(
+    context: &SolveContext,
+    system: &System,
+    kkt: &Kkt,
+    design: &Design,
+    bins: &Bins,
+    free: usize,
+) -> Vec<Vec<Six>> {
+    let layout = context.layout;
+    let mut directions: Vec<Vec<Six>> = Vec::new();
+    if context.problem.times_are_unknown() {
+        for (bin, rate) in design.rates().into_iter().enumerate() {
+            let mut column = vec![[0.0; 6]; bins.count()];
+            column[bin] = rate;
+            directions.push(column);
+        }
+    }
+    let mut random = Random::default();
+    directions.extend((0..free).map(|_| {
+        let hessian = &system.hessian;
+        let mut step = DVector::from_fn(layout.size(), |at, _| {
+            random.signed()
+                * hessian
+                    .get(&layout.structure.pattern, at, at)
+                    .max(0.0)
+                    .sqrt()
+        });
+        kkt.solve(context.structure(), &mut step);
+        bins.means(&design.sums(&step))
+    }));
+    orthonormal(&directions)
+}
+
+/// The Hessian of samples that err in time.
+fn of_samples(context: &SolveContext, point: &Point, weave: &Weave) -> Envelope {
+    let mut system = System::new(context.structure());
+    let guidance = Guidance::none();
+    Objective::new(context, &guidance, point, &mut system).add_woven(weave);
+    system.hessian
 }
 
 /// The Hessian with all curvature, where a row pulls that has its own in closed form: at an apex, that

@@ -38,6 +38,7 @@
 pub mod bins;
 pub mod certainty;
 pub mod likelihood;
+pub(in crate::estimate) mod linearised;
 pub mod noise;
 pub(in crate::estimate) mod timing;
 pub mod trace;

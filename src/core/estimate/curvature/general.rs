@@ -17,7 +17,10 @@ use crate::optimise::envelope::Envelope;
 pub fn add(nudged: &mut Nudged, matrix: &mut Envelope) {
     let (context, point) = (nudged.context, nudged.origin);
     let problem = context.problem;
-    for (arc, view) in problem.views().filter(|(_, view)| !view.is_plain) {
+    for (arc, view) in problem
+        .views()
+        .filter(|(_, view)| !view.is_plain && problem.weave.is_none())
+    {
         let seen = General::new(context, arc, view);
         // Where no body has such moments there is nothing to bend.
         let _ = seen.add(nudged, matrix);

@@ -48,8 +48,9 @@ pub fn add(
         matrix,
     };
     for (index, view) in problem.views() {
-        // The short form of the residuals is meant; that of others is in `general`.
-        if !view.is_plain {
+        // The short form of the residuals is meant; that of others is in `general`. Where samples err in time steps make do
+        // without.
+        if !view.is_plain || problem.weave.is_some() {
             continue;
         }
         let body = problem.body_of(index);

@@ -27,7 +27,7 @@ impl<'a> SolveContext<'a> {
         point: &Point,
     ) -> Self {
         let gravity = problem.gravity(&point.parameters);
-        let sums = if problem.times_are_unknown() {
+        let sums = if problem.times_are_unknown() || problem.weave.is_some() {
             Vec::new()
         } else {
             let views = problem.views().map(|(arc, view)| {

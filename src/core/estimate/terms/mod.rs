@@ -13,3 +13,4 @@ pub(in crate::estimate) mod observed;
 pub mod samples;
 pub(in crate::estimate) mod short;
 pub mod tempo;
+pub mod woven;

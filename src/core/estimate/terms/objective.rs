@@ -54,6 +54,10 @@ impl<'a> Objective<'a> {
     /// Adds the residuals of the samples (paper eq. 1).
     pub(in crate::estimate) fn add_samples(&mut self) {
         let (problem, layout) = (self.context.problem, self.context.layout);
+        if let Some(weave) = &problem.weave {
+            self.add_woven(weave);
+            return;
+        }
         let gravity = problem.gravity(&self.point.parameters);
         for (number, (index, view)) in problem.views().enumerate() {
             let body = problem.body_of(index);
@@ -153,6 +157,11 @@ impl<'a> Objective<'a> {
                 self.hessian.add(self.pattern, next, at, terms.with_next);
             }
         }
+    }
+
+    /// Adds to the cost.
+    pub(in crate::estimate) fn add_cost(&mut self, cost: f64) {
+        *self.cost += cost;
     }
 
     /// Adds to the Hessian's entry of two unknowns.

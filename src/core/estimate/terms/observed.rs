@@ -59,6 +59,8 @@ pub(in crate::estimate) struct SampleObserver<'a> {
     moments: Option<SpinByMoments>,
     /// Derivatives of the mount's turn by the components of the tracker's rotation vector.
     by_turn: Matrix3<f64>,
+    /// Whether turns are in the body's axes, with all of their derivative, and not in the frame of the epoch.
+    is_in_body: bool,
 }
 
 /// How a residual follows a change of the flight: that of the centre of mass, in the world, and that of
@@ -133,7 +135,17 @@ impl<'a> SampleObserver<'a> {
                 .then(|| SpinByMoments::new(body, &state.angular_velocity_rad_s)),
             by_turn: -(so3::right_jacobian(&mount.turn) * so3::matrix(&rotation)),
             mount,
+            is_in_body: false,
         }
+    }
+
+    /// The same with turns in the body's axes, which go on from flight to flight, and other acting parameters. Samples have
+    /// no covariances of their own.
+    pub(in crate::estimate) fn in_body_axes(mut self, acting: &'a [Acting]) -> Self {
+        debug_assert!(self.view.whitenings.is_empty());
+        self.acting = acting;
+        self.is_in_body = true;
+        self
     }
 
     /// A sample's physical time \[s\].
@@ -229,7 +241,11 @@ impl<'a> SampleObserver<'a> {
             Vector3::zeros()
         };
         let error = match axis {
+            Some([flown, shown]) if self.is_in_body => turn.inverse() * (flown - shown),
             Some([flown, shown]) => flown - shown,
+            None if sees_turn && self.is_in_body => {
+                so3::log(&(measured.inverse() * self.state.orientation * turn))
+            }
             None if sees_turn => so3::log(&(turn * (measured.inverse() * self.state.orientation))),
             None => Vector3::zeros(),
         };
@@ -238,6 +254,13 @@ impl<'a> SampleObserver<'a> {
             sees_place,
             lever_m,
             turn: match axis {
+                Some([_, shown]) if self.is_in_body => {
+                    let to_body = turn.inverse();
+                    -so3::hat(&(to_body * shown)) * so3::matrix(&to_body)
+                }
+                None if sees_turn && self.is_in_body => {
+                    so3::right_jacobian_inverse(&error) * so3::matrix(&turn.inverse())
+                }
                 Some([flown, _]) => -so3::hat(&flown),
                 // Equal weights in all directions see no difference, `J_l⁻¹(e)ᵀ e = e`.
                 None if sees_turn && whitening.is_some() => {
@@ -321,7 +344,12 @@ impl<'a> SampleObserver<'a> {
                     } else {
                         zero
                     };
-                    following.in_units(shift, -(following.turn.tr_mul(&(to_epoch * change))))
+                    let turned = match self.is_in_body {
+                        true if sees_turn => so3::right_jacobian_inverse(&error).tr_mul(&change),
+                        true => zero,
+                        false => following.turn.tr_mul(&(to_epoch * change)),
+                    };
+                    following.in_units(shift, -turned)
                 }
                 Influence::ClockRate => by_time.map(|by| by * (stamped_s - zero_s)),
                 Influence::ClockOffset => by_time,

@@ -36,6 +36,8 @@ use self::linear::Linear;
 use self::linearised::Linearised;
 use self::trial::{TriedQuantity, tried};
 use super::problem::TreeProblem;
+use crate::estimate::adequacy::wandering::Asked;
+use crate::estimate::wander::Process;
 use crate::motion::{
     Fit, FitUntold, Fits, GoalUnit, JointTree, Observer, Quantity, Scene, Suspect, Tested, WholeFit,
 };
@@ -77,6 +79,9 @@ pub(super) fn judge(
     of: &Linearised,
     observer: &mut dyn Observer,
 ) -> Result<(Fit, Vec<Suspect>), FitUntold> {
+    if let Some(errors) = of.problem.errors {
+        return judge_wandering(scene, joined, of, &errors, observer);
+    }
     let Linearised {
         problem,
         active,
@@ -85,23 +90,8 @@ pub(super) fn judge(
         held,
         ..
     } = of;
-    let candidates: Vec<SuspectCandidate> = candidates(scene, joined, problem)
-        .into_iter()
-        .filter_map(|quantity| {
-            let step = STEP * quantity.typical();
-            let change = change(
-                scene,
-                problem,
-                of.point,
-                active,
-                quantity,
-                scene.value_of(quantity),
-                step,
-            )?;
-            let total = linear.total(held, &change);
-            Some(SuspectCandidate { quantity, total })
-        })
-        .collect();
+    let errors = errors.as_ref().ok_or(FitUntold::FewSamples)?;
+    let candidates = suspect_candidates(scene, joined, of);
     let totals: Vec<DVector<f64>> = candidates.iter().map(|of| of.total.clone()).collect();
     let residuals = linear.of_samples();
     let left = errors.left(
@@ -191,11 +181,64 @@ pub(super) fn judge(
             by_noise,
             is_noise,
             log_odds_of_wander,
-            shown_m,
+            shown_m: Some(shown_m),
             untold: untold.iter().map(|(_, of)| of.quantity).collect(),
         }),
     };
     Ok((fit, suspects))
+}
+
+/// The same where samples err in time.
+fn judge_wandering(
+    scene: &Scene,
+    joined: &JointTree,
+    of: &Linearised,
+    errors: &[Process; 2],
+    observer: &mut dyn Observer,
+) -> Result<(Fit, Vec<Suspect>), FitUntold> {
+    let candidates = suspect_candidates(scene, joined, of);
+    let quantities: Vec<Quantity> = candidates.iter().map(|of| of.quantity).collect();
+    let totals: Vec<DVector<f64>> = candidates.into_iter().map(|of| of.total).collect();
+    let columns = of.columns(&totals);
+    let (rows, priors) = of.rows(&columns);
+    let restricted = of.restricted(&rows, &priors);
+    let fitted = restricted.at(errors).ok_or(FitUntold::FewSamples)?;
+    let joint = of.linear.rms();
+    let asked = Asked {
+        scene,
+        quantities: &quantities,
+        joint,
+        is_far: farther_than_rest(of.problem, joint[0]),
+    };
+    asked.judged(&restricted, &fitted, observer)
+}
+
+/// What the scene keeps fixed, with how residuals change with it.
+fn suspect_candidates(scene: &Scene, joined: &JointTree, of: &Linearised) -> Vec<SuspectCandidate> {
+    let Linearised {
+        problem,
+        active,
+        linear,
+        held,
+        ..
+    } = of;
+    candidates(scene, joined, problem)
+        .into_iter()
+        .filter_map(|quantity| {
+            let step = STEP * quantity.typical();
+            let change = change(
+                scene,
+                problem,
+                of.point,
+                active,
+                quantity,
+                scene.value_of(quantity),
+                step,
+            )?;
+            let total = linear.total(held, &change);
+            Some(SuspectCandidate { quantity, total })
+        })
+        .collect()
 }
 
 /// The likeliest, and those that explain the performance as well. Of the components of one thing, the one that explains

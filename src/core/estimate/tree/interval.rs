@@ -97,7 +97,9 @@ impl TreeProgram<'_> {
                         let valued = valued(&snapshot.link_state(sample.place));
                         Residual::new(sample, &valued, &Matrix3xX::zeros(0))
                     };
-                    sums.add(&residual);
+                    if problem.errors.is_none() {
+                        sums.add(&residual);
+                    }
                     each(&residual);
                 }
                 ItemKind::Goal(index, goal) => {

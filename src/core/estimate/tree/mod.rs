@@ -37,6 +37,8 @@ mod time_line;
 mod timed;
 mod trajectory;
 mod walk;
+mod wandering;
+mod whitened;
 
 #[cfg(test)]
 mod tests;
@@ -47,5 +49,5 @@ pub use outcome::{Detail, estimate, evidence};
 pub use point::TreePoint;
 pub use problem::TreeProblem;
 pub use rival::{RivalOutcome, rival};
-pub use solve::solve as solved;
 pub use walk::{EXACTLY, ROUGHLY};
+pub use wandering::solved;

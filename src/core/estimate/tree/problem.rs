@@ -10,8 +10,9 @@ use super::hands;
 use super::sample::{self, TreeSample};
 use super::tempo::Tempo;
 use crate::estimate::problem::unit;
+use crate::estimate::wander::Process;
 use crate::motion::held::HeldEstimate;
-use crate::motion::{Cone, FreeParameter, GoalUnit, Scene, Sketch};
+use crate::motion::{Cone, FreeParameter, GoalUnit, Performer, Scene, Sketch};
 use crate::physics::tree::Forest;
 
 /// Standard deviation of the rates of joints and of a free base's spin at the start [rad/s]: of two
@@ -39,6 +40,8 @@ pub struct TreeProblem {
     pub parameters: Vec<FreeParameter>,
     /// See `parameters`.
     pub cones: Vec<Cone>,
+    /// How samples err in time, of places and of turns, in their units; `None` where each errs by itself.
+    pub errors: Option<[Process; 2]>,
     /// In order of time.
     pub samples: Vec<TreeSample>,
     /// In order of time.
@@ -76,6 +79,7 @@ impl TreeProblem {
             tempo: Tempo::of_scene(scene, span_s, &samples),
             parameters: scene.parameters.clone(),
             cones: scene.cones.clone(),
+            errors: (scene.performer == Performer::Wandering).then_some([Process::EXPECTED; 2]),
             samples,
             goals,
             events,
@@ -98,10 +102,16 @@ impl TreeProblem {
             sample.acted_s == last_s
         });
         let share = kept.len() as f64 / self.samples.len() as f64;
-        for sample in &mut kept {
-            sample.unit *= share.sqrt();
+        let mut errors = self.errors;
+        match &mut errors {
+            // A wander is the same however often it is seen.
+            Some(errors) => errors.iter_mut().for_each(|of| of.noise_sd *= share.sqrt()),
+            None => kept
+                .iter_mut()
+                .for_each(|sample| sample.unit *= share.sqrt()),
         }
         Self {
+            errors,
             samples: kept,
             step_s: COARSER * self.step_s,
             ..self.clone()
@@ -141,6 +151,10 @@ impl TreeProblem {
 
     /// The first unknown with which one is coupled, of those before it.
     pub(super) fn first_coupled(&self, unknown: usize) -> usize {
+        if self.errors.is_some() {
+            // Errors go on from interval to interval.
+            return 0;
+        }
         let width = self.width();
         let node = match unknown.checked_sub(width * self.nodes_s.len()) {
             None => (unknown / width).saturating_sub(1),

@@ -10,6 +10,7 @@ use super::point::TreePoint;
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
 use super::rows;
 use super::sample::Residual;
+use super::whitened::WhitenedSums;
 use crate::optimise::block::BlockPattern;
 use crate::optimise::envelope::{Envelope, Pattern};
 use crate::optimise::{Program, Structure, System};
@@ -123,8 +124,16 @@ impl<'a> TreeProgram<'a> {
         system.cost = 0.0;
         system.gradient.fill(0.0);
         system.hessian.clear();
+        let mut whitened = problem
+            .errors
+            .map(|errors| WhitenedSums::new(problem, errors, has_derivatives));
         for node in 0..problem.nodes_s.len() {
-            let each = &mut |residual: &Residual| each(node, residual);
+            let each = &mut |residual: &Residual| {
+                each(node, residual);
+                if let Some(whitened) = &mut whitened {
+                    whitened.add(node, residual);
+                }
+            };
             let sums = self.interval(node, has_derivatives, part, point, &mut system.blocks, each);
             system.cost += sums.cost;
             let place = |at: usize| problem.unknown_of(node, at);
@@ -138,6 +147,9 @@ impl<'a> TreeProgram<'a> {
                         .add(pattern, place(row), place(column), entry);
                 }
             }
+        }
+        if let Some(whitened) = whitened {
+            whitened.add_to(&self.structure.pattern, system);
         }
         problem.fill_bounds(point, &self.structure.blocks, &mut system.blocks);
         let patterns = &self.structure.blocks;

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3xX, Vector3};
 
 use crate::estimate::constraint::quantity::Valued;
 use crate::motion::{
-    BodyPoint, GoalQuantity, Sample, Scene, Seen, Sees, Sketch, Stamp, TrackIndex,
+    BodyPoint, GoalQuantity, GoalUnit, Sample, Scene, Seen, Sees, Sketch, Stamp, TrackIndex,
 };
 
 /// A part of a sample: a quantity of one link at a time, and where it was seen.
@@ -26,6 +26,13 @@ pub struct TreeSample {
     pub seen: Vector3<f64>,
     /// One unit of its residual, in the quantity's own.
     pub unit: f64,
+}
+
+impl TreeSample {
+    /// 0 where a place was seen, 1 where it is how the link is turned.
+    pub(super) fn kind(&self) -> usize {
+        usize::from(self.quantity.unit() != GoalUnit::Metre)
+    }
 }
 
 /// A sample with its residual, in units, and the derivative by the unknowns of its interval.

@@ -9,6 +9,7 @@ use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
 use super::time_line::TimeLine;
 use crate::config::scene_from_toml;
+use crate::estimate::wander::Process;
 use crate::math::differentiate;
 use crate::math::random::Random;
 use crate::motion::{MarkTime, Sample, Scene, Seen, Sketch, Stamp, TrackSketch};
@@ -52,7 +53,7 @@ fn some_state(problem: &TreeProblem) -> TreeState {
     problem.forest.retract(&problem.forest.at_rest(), &delta)
 }
 
-/// Gradient, rows of goals and rows of continuity, with one node and with three.
+/// Gradient, rows of goals and rows of continuity, with one node and with three, where samples err by themselves and in time.
 #[test]
 fn derivatives_are_those_of_differences() {
     let scene = scene();
@@ -64,7 +65,10 @@ fn derivatives_are_those_of_differences() {
     for nodes_s in [vec![0.0], vec![0.0, 0.035, 0.07]] {
         problem.nodes_s = nodes_s;
         let nodes = vec![some_state(&problem); problem.nodes_s.len()];
-        check(&problem, &TreePoint::new(&problem, nodes));
+        for errors in [None, Some([Process::EXPECTED; 2])] {
+            problem.errors = errors;
+            check(&problem, &TreePoint::new(&problem, nodes.clone()));
+        }
     }
 }
 

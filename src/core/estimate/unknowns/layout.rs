@@ -176,6 +176,15 @@ impl Layout {
                 members.truncate(own);
             }
         }
+        for track in problem.weave.iter().flat_map(|weave| &weave.tracks) {
+            let parameters = track.parameters.iter().map(|at| self.parameters[*at]);
+            let shared: Vec<usize> = parameters.collect();
+            for (place, woven) in track.arcs.iter().enumerate() {
+                let arcs = &track.arcs[place - woven.remembered..=place];
+                let states = arcs.iter().flat_map(|of| self.state(of.arc));
+                clique(&states.chain(shared.iter().copied()).collect::<Vec<_>>());
+            }
+        }
         let structure = &self.structure;
         for pattern in structure.blocks.iter().chain(&structure.priced) {
             for members in pattern.cliques() {

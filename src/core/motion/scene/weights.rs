@@ -14,6 +14,8 @@ pub struct Weights {
 pub enum Performer {
     /// Somebody acted the motion.
     Hand,
+    /// The same, and the hand's errors are taken for a process in time: they change slowly.
+    Wandering,
     /// Nobody did: the motion itself was measured, and residuals are a tracker's errors.
     Nobody,
     /// The scene does not say; the flights' own residuals may show it.

@@ -60,6 +60,7 @@ mod table;
 mod tosses;
 mod trees;
 mod uncertainty;
+mod wander;
 
 use std::time::Instant;
 
@@ -109,6 +110,11 @@ const SUBJECTS: &[Subject] = &[
         "uncertainty",
         "how certain an estimate is, and whether it says so",
         uncertainty::run
+    ),
+    subject!(
+        "wander",
+        "errors of a hand as a process in time",
+        wander::run
     ),
     subject!("peers", "general solvers on the same problems", peers::run),
     subject!(

@@ -14,6 +14,21 @@ pub(in crate::estimate::adequacy) enum Which {
 /// Quantities that are suspected together: the components of one thing. Gravity's size is one more
 /// thing than its vector.
 pub(super) fn groups(scene: &Scene, which: Which) -> Vec<Vec<Quantity>> {
+    let mut groups = Quantity::by_thing(candidates(scene, which).into_iter());
+    let size = Quantity::Gravity {
+        axis: scene.gravity_m_s2.iamax(),
+    };
+    if groups
+        .iter()
+        .any(|group| group.len() > 1 && group.contains(&size))
+    {
+        groups.push(vec![size]);
+    }
+    groups
+}
+
+/// Quantities that may be suspected, one by one.
+pub(in crate::estimate::adequacy) fn candidates(scene: &Scene, which: Which) -> Vec<Quantity> {
     let all = scene.mechanisms.keys();
     let is_alone = all.filter(|of| !scene.is_apart(*of)).count() == 1;
     let is_candidate = |quantity: &Quantity| {
@@ -37,17 +52,11 @@ pub(super) fn groups(scene: &Scene, which: Which) -> Vec<Vec<Quantity>> {
             && scene.untold(*quantity).is_none()
             && is_supported(scene, *quantity)
     };
-    let mut groups = Quantity::by_thing(scene.quantities().into_iter().filter(is_candidate));
-    let size = Quantity::Gravity {
-        axis: scene.gravity_m_s2.iamax(),
-    };
-    if groups
-        .iter()
-        .any(|group| group.len() > 1 && group.contains(&size))
-    {
-        groups.push(vec![size]);
-    }
-    groups
+    scene
+        .quantities()
+        .into_iter()
+        .filter(is_candidate)
+        .collect()
 }
 
 /// Whether the contacts of all collisions are supported with that quantity free.

@@ -35,6 +35,9 @@ impl Wider {
         wider.parameters.extend(added.iter().cloned());
         let mut problem = Problem::new(&wider, performance.sketch, performance.segments);
         problem.velocity_gap_weight = context.problem.velocity_gap_weight;
+        if let Some(weave) = &context.problem.weave {
+            problem = problem.woven_as(weave);
+        }
         Self {
             layout: Layout::new(&problem),
             problem,

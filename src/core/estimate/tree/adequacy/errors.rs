@@ -12,11 +12,12 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use super::linear::{self, Linear, Series};
+use super::linear::{self, Linear};
 use crate::estimate::adequacy::hand::{self, EXPONENTS};
 use crate::estimate::covariance::bins::{Bin, Bins, Residuals};
 use crate::estimate::covariance::noise;
 use crate::estimate::tree::program::REGULARISER;
+use crate::estimate::wander::series::Series;
 
 /// Greatest number of bins of a series, and of all.
 const BINS: [usize; 2] = [32, 64];

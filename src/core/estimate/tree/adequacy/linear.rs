@@ -17,8 +17,8 @@ use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::{RATE_SD_RAD_S, TreeProblem};
 use crate::estimate::tree::program::{Part, REGULARISER, TreeProgram};
 use crate::estimate::tree::sample::Residual;
+use crate::estimate::wander::series::Series;
 use crate::math::span::Span;
-use crate::motion::{GoalUnit, TrackIndex};
 use crate::optimise::active::ActiveSet;
 use crate::optimise::{Program, System};
 
@@ -26,20 +26,6 @@ use crate::optimise::{Program, System};
 const DEPENDENT: f64 = 1e-7;
 /// Share of the largest singular value below which a direction of the rows is none.
 const SINGULAR: f64 = 1e-10;
-
-/// Samples of one track that are of one kind: its places, or how it is turned.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Series {
-    pub(super) track: TrackIndex,
-    /// 0: positions, 1: orientations and directions.
-    pub(super) kind: usize,
-    /// When its samples were \[s\], in order.
-    pub(super) times_s: Vec<f64>,
-    /// The first row of each: it has three.
-    pub(super) rows: Vec<usize>,
-    /// One unit of its residuals \[m or rad\].
-    pub(super) unit: f64,
-}
 
 /// Residuals and rows of a motion.
 #[derive(Clone, Debug)]
@@ -109,7 +95,7 @@ impl Linear {
         let (mut values, mut derivatives) = (Vec::new(), Vec::new());
         let mut each = |node: usize, residual: &Residual| {
             let sample = residual.sample;
-            let kind = usize::from(sample.quantity.unit() != GoalUnit::Metre);
+            let kind = sample.kind();
             let is_of = |of: &Series| (of.track, of.kind) == (sample.track, kind);
             let at = series.iter().position(is_of).unwrap_or_else(|| {
                 series.push(Series {

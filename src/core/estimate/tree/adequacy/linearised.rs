@@ -1,11 +1,17 @@
 //! A solution, linearised, with what its samples show of their errors: what is judged of a motion, and how certain it is,
 //! are told by the same.
 
+use nalgebra::{DMatrix, DVector};
+
 use super::errors::TreeErrors;
 use super::linear::{HeldDirections, Linear};
 use super::odds;
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::TreeProblem;
+use crate::estimate::tree::program::REGULARISER;
+use crate::estimate::wander::Process;
+use crate::estimate::wander::likelihood::{FittedErrors, Restricted};
+use crate::estimate::wander::series::SeriesRows;
 use crate::optimise::Solution;
 use crate::optimise::active::ActiveSet;
 
@@ -15,7 +21,8 @@ pub(in crate::estimate::tree) struct Linearised<'s> {
     pub(super) point: &'s TreePoint,
     pub(super) active: ActiveSet,
     pub(super) linear: Linear,
-    pub(super) errors: TreeErrors,
+    /// What they may be where each sample errs by itself.
+    pub(super) errors: Option<TreeErrors>,
     pub(super) held: HeldDirections,
 }
 
@@ -35,22 +42,75 @@ impl<'s> Linearised<'s> {
         Some(Self {
             problem,
             point,
-            errors: TreeErrors::new(&linear),
+            errors: problem.errors.is_none().then(|| TreeErrors::new(&linear)),
             held: linear.held(),
             active,
             linear,
         })
     }
 
+    /// The likeliest errors of samples that err in time, from where they are thought to be, and what follows of them.
+    pub(in crate::estimate::tree) fn fitted(&self, from: &[Process; 2]) -> Option<FittedErrors> {
+        let columns = self.columns(&[]);
+        let (rows, priors) = self.rows(&columns);
+        self.restricted(&rows, &priors).fitted(from)
+    }
+
+    /// Derivatives along what rows leave free, then further columns, then residuals.
+    pub(super) fn columns(&self, further: &[DVector<f64>]) -> DMatrix<f64> {
+        let free = &self.held.free;
+        let count = free.ncols() + further.len();
+        let mut columns = free.clone().resize_horizontally(count + 1, 0.0);
+        for (at, column) in further.iter().enumerate() {
+            columns.set_column(free.ncols() + at, column);
+        }
+        columns.set_column(count, &self.linear.residuals);
+        columns
+    }
+
+    /// SeriesRows of samples of such columns, and products of those of priors.
+    pub(super) fn rows(&self, columns: &DMatrix<f64>) -> (SeriesRows, DMatrix<f64>) {
+        let first = self.linear.sample_rows();
+        let priors = columns.rows(first, columns.nrows() - first);
+        (
+            SeriesRows::new(&self.linear.series, columns),
+            priors.tr_mul(&priors),
+        )
+    }
+
+    /// What the motion may follow of such rows.
+    pub(super) fn restricted<'r>(
+        &self,
+        rows: &'r SeriesRows,
+        priors: &'r DMatrix<f64>,
+    ) -> Restricted<'r> {
+        Restricted {
+            rows,
+            priors,
+            free: self.held.free.ncols(),
+            least: REGULARISER * self.problem.information.0,
+        }
+    }
+
     /// Logarithm of the likelihood of the samples, over all models of their errors; `None` where there is none.
     pub(in crate::estimate::tree) fn evidence(&self) -> Option<f64> {
-        let information = self.problem.information.0;
-        let left = self.errors.left(
+        let Some(errors) = &self.errors else {
+            let fitted = self.at(&self.problem.errors?)?;
+            return Some(-0.5 * fitted.merit);
+        };
+        let left = errors.left(
             &self.held.free,
             &[][..],
             &self.linear.residuals,
-            information,
+            self.problem.information.0,
         );
         (!left.is_empty()).then(|| odds::evidence(&left))
+    }
+
+    /// What follows of such errors of samples that err in time.
+    pub(super) fn at(&self, errors: &[Process; 2]) -> Option<FittedErrors> {
+        let columns = self.columns(&[]);
+        let (rows, priors) = self.rows(&columns);
+        self.restricted(&rows, &priors).at(errors)
     }
 }

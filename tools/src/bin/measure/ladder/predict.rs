@@ -141,8 +141,8 @@ pub fn deviations(outcome: &Outcome, stamps: &[Stamp]) -> Option<Deviations> {
         moments.iter().map(|six| six.each_ref().map(sd)).collect()
     };
     let reported = sds(&covariance);
-    let [position, orientation] = covariance.noise.white.map(f64::sqrt);
-    covariance.noise = Noise::stated();
+    let [position, orientation] = covariance.noise()?.white.map(f64::sqrt);
+    *covariance.noise_mut()? = Noise::stated();
     Some(Deviations {
         sds: reported,
         stated: sds(&covariance),

@@ -1,0 +1,37 @@
+//! Where the errors of a hand may be a process in time.
+
+use super::super::scene_from_toml;
+use super::refusals::refused;
+use super::with;
+use crate::motion::Performer;
+
+/// The example with physical stamps and a hand that wanders.
+fn wandering(stamps: &str) -> String {
+    let text = with("stamps = \"tempo\"", &format!("stamps = \"{stamps}\""));
+    text.replacen("name = ", "hand = \"wanders\"\nname = ", 1)
+}
+
+#[test]
+fn a_hand_may_wander_where_stamps_are_physical_times() {
+    let scene = scene_from_toml(&wandering("physical")).expect("a valid scene");
+    assert_eq!(scene.performer, Performer::Wandering);
+}
+
+#[test]
+fn where_it_may_not_is_said_with_what_is_expected() {
+    for (stamps, what) in [("edited", "edited stamps"), ("tempo", "by themselves")] {
+        let text = wandering(stamps);
+        let line = 1 + text
+            .lines()
+            .position(|line| line.starts_with("hand"))
+            .expect("a line");
+        refused(&text, line, "\"wanders\"", what);
+        refused(&text, line, "\"wanders\"", "expected hand = \"acted\"");
+    }
+    let other = wandering("physical").replacen("wanders", "strays", 1);
+    let line = 1 + other
+        .lines()
+        .position(|line| line.starts_with("hand"))
+        .expect("a line");
+    refused(&other, line, "\"strays\"", "\"wanders\" or \"none\"");
+}

@@ -1,0 +1,131 @@
+//! A solution whose samples err in time, linearised: residuals along the directions that constraints leave free.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::estimate::terms::context::SolveContext;
+use crate::estimate::terms::woven;
+use crate::estimate::unknowns::point::Point;
+use crate::estimate::wander::likelihood::Restricted;
+use crate::estimate::wander::series::SeriesRows;
+use crate::math::random::Random;
+use crate::math::span::Span;
+use crate::optimise::kkt::Kkt;
+use crate::optimise::{Program, System};
+
+/// Directions tried beyond the number of unknowns less that of equalities: some rows may be dependent.
+const DIRECTIONS_MORE: usize = 2;
+/// Greatest number of directions: with more, residuals tell nothing of their errors.
+const DIRECTIONS_MOST: usize = 64;
+/// A direction of which less than this is orthogonal to the others depends on them.
+const DEPENDENT: f64 = 1e-6;
+/// How often a direction is corrected for what it moves of constraints.
+const REFINEMENTS: usize = 4;
+/// Information that every direction has besides.
+const LEAST: f64 = 1e-9;
+
+/// Residuals and their derivatives.
+pub(in crate::estimate) struct LinearisedSolution {
+    /// Along each direction, then the residuals.
+    rows: SeriesRows,
+    /// WhitenedProducts of the same columns of priors.
+    priors: DMatrix<f64>,
+    /// Number of the first directions along which the motion may go.
+    free: usize,
+}
+
+impl LinearisedSolution {
+    /// Along directions of the unknowns, a column each, of which the motion may go along the first `free`; `system` is that at the
+    /// point. `None` where samples do not err in time and where the parameters make no body.
+    pub(in crate::estimate) fn new(
+        context: &SolveContext,
+        point: &Point,
+        system: &System,
+        directions: &DMatrix<f64>,
+        free: usize,
+    ) -> Option<Self> {
+        let weave = context.problem.weave.as_ref()?;
+        let (series, columns) = woven::rows(context, point, weave, directions)?;
+        let rows = SeriesRows::new(&series, &columns);
+        let of_samples = [0, 1].map(|kind| rows.products(kind, &weave.processes[kind]).gram);
+        let priors = products(context, system, directions) - &of_samples[0] - &of_samples[1];
+        Some(Self { rows, priors, free })
+    }
+
+    /// What the motion may follow.
+    pub(in crate::estimate) fn restricted(&self) -> Restricted<'_> {
+        Restricted {
+            rows: &self.rows,
+            free: self.free,
+            priors: &self.priors,
+            least: LEAST,
+        }
+    }
+}
+
+/// Directions that constraints leave free at a solution, orthonormal in typical lengths, a column each; `None` where there are too
+/// many.
+pub(in crate::estimate) fn free_directions(
+    context: &SolveContext,
+    system: &System,
+    kkt: &Kkt,
+) -> Option<DMatrix<f64>> {
+    let bounds = system.blocks.iter().flat_map(|block| &block.bounds);
+    let equalities = bounds.filter(|(lower, upper)| lower == upper).count();
+    let size = context.layout.size();
+    let free = size.saturating_sub(equalities) + DIRECTIONS_MORE;
+    if free > DIRECTIONS_MOST {
+        return None;
+    }
+    let scale = context.damping().map(f64::sqrt);
+    let mut random = Random::default();
+    let columns = (0..free).map(|_| {
+        let mut step = DVector::from_fn(size, |at, _| random.signed() * scale[at]);
+        kkt.solve(context.structure(), &mut step);
+        for _ in 0..REFINEMENTS {
+            let pulled = pulled(context, system, kkt, &step);
+            step -= pulled;
+        }
+        step.component_mul(&scale)
+    });
+    let columns: Vec<DVector<f64>> = columns.collect();
+    let mut basis = Span::of(&columns, size, DEPENDENT).basis();
+    for mut column in basis.column_iter_mut() {
+        column.component_div_assign(&scale);
+    }
+    Some(basis)
+}
+
+/// What the constraints, weighed as they are factorised, take off a direction that does not quite hold them.
+fn pulled(
+    context: &SolveContext,
+    system: &System,
+    kkt: &Kkt,
+    direction: &DVector<f64>,
+) -> DVector<f64> {
+    let mut rows = Vec::new();
+    system.along(context.structure(), direction, &mut rows);
+    let mut pulled = DVector::zeros(direction.len());
+    let pull = |row: usize| kkt.weight(row) * rows[row];
+    system.add_pull(context.structure(), pull, &mut pulled);
+    kkt.solve(context.structure(), &mut pulled);
+    pulled
+}
+
+/// `Zᵀ H Z` of directions, with the gradient along them and twice the cost in the last row and column.
+fn products(context: &SolveContext, system: &System, directions: &DMatrix<f64>) -> DMatrix<f64> {
+    let pattern = &context.layout.structure.pattern;
+    let count = directions.ncols();
+    let mut gram = DMatrix::zeros(count + 1, count + 1);
+    for (at, direction) in directions.column_iter().enumerate() {
+        let mut product = DVector::zeros(direction.len());
+        let own = direction.into_owned();
+        system.hessian.multiply_add(pattern, &own, &mut product);
+        let along = directions.tr_mul(&product);
+        gram.view_mut((0, at), (count, 1)).copy_from(&along);
+        let slope = own.dot(&system.gradient);
+        gram[(at, count)] = slope;
+        gram[(count, at)] = slope;
+    }
+    gram[(count, count)] = 2.0 * system.cost;
+    gram
+}

@@ -1,0 +1,204 @@
+//! Residuals of a process, and their derivatives, as errors that are independent and of unit variance (Kalman, 1960).
+//!
+//! With the state's mean `m` and covariance `P` given all samples before, and `H = (1, 0, 1)`, a sample of `r` has
+//!
+//! ```text
+//! s² = H P Hᵀ + σ²,   e = (r − H m)/s,   k = P Hᵀ/s²,   m ← m + k (r − H m),   P ← P − k s² kᵀ
+//! ```
+//!
+//! `e` is linear in all residuals until now, with factors that depend on times alone: columns of derivatives go the
+//! same way. `Σ e²` is `rᵀ V⁻¹ r` and `Σ ln s²` is `ln |V|`, with the covariance `V` of all samples.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::process::Process;
+
+/// What is known of a process along its samples, whatever they are.
+#[derive(Clone, Debug)]
+pub struct Filter {
+    process: Process,
+    /// When the last sample was \[s\].
+    last_s: Option<f64>,
+    /// `P`.
+    covariance: Matrix3<f64>,
+    /// `Σ ln s²` of the samples until now, along one axis.
+    log_variance: f64,
+}
+
+/// How a sample's numbers become independent, and what they tell of those that follow.
+#[derive(Clone, Copy, Debug)]
+pub struct Gain {
+    /// `F` since the sample before.
+    by: Matrix3<f64>,
+    /// `k`.
+    gain: Vector3<f64>,
+    /// `1/s`.
+    per_sd: f64,
+}
+
+/// Means of the process for several numbers that are filtered alike.
+#[derive(Clone, Debug, Default)]
+pub struct Means {
+    /// Of `h`, of `ḣ`, of `o`.
+    each: [Vec<f64>; 3],
+}
+
+impl Filter {
+    /// Before the first sample.
+    pub fn new(process: &Process) -> Self {
+        Self {
+            process: *process,
+            last_s: None,
+            covariance: process.stationary(),
+            log_variance: 0.0,
+        }
+    }
+
+    /// Goes on to a sample, no earlier than the last \[s\].
+    pub fn next(&mut self, time_s: f64) -> Gain {
+        let apart_s = self.last_s.map_or(0.0, |last_s| (time_s - last_s).max(0.0));
+        self.last_s = Some(time_s);
+        let by = self.process.transition(apart_s);
+        let stationary = self.process.stationary();
+        // What has gone on towards the stationary covariance: `F P Fᵀ + Q`.
+        let known = self.covariance - stationary;
+        let covariance = by * known * by.transpose() + stationary;
+        let with_sample = covariance.column(0) + covariance.column(2);
+        let variance = with_sample[0] + with_sample[2] + self.process.noise_sd.powi(2);
+        let gain: Vector3<f64> = with_sample / variance;
+        let after = covariance - gain * with_sample.transpose();
+        self.covariance = 0.5 * (after + after.transpose());
+        self.log_variance += variance.ln();
+        Gain {
+            by,
+            gain,
+            per_sd: variance.sqrt().recip(),
+        }
+    }
+
+    /// `Σ ln s²` of the samples until now, along one axis.
+    pub fn log_variance(&self) -> f64 {
+        self.log_variance
+    }
+}
+
+impl Gain {
+    /// How the means after the sample follow from those after the one before, where the sample shows nothing of them:
+    /// `(1 − k H) F`.
+    pub fn forgets(&self) -> Matrix3<f64> {
+        let observed = self.by.row(0) + self.by.row(2);
+        self.by - self.gain * observed
+    }
+}
+
+impl Means {
+    /// Of so many numbers, all zero.
+    pub fn new(numbers: usize) -> Self {
+        let mut means = Self::default();
+        means.extend(numbers);
+        means
+    }
+
+    /// Adds so many numbers, all zero.
+    pub fn extend(&mut self, numbers: usize) {
+        for each in &mut self.each {
+            each.resize(each.len() + numbers, 0.0);
+        }
+    }
+
+    /// Leaves out some of the numbers.
+    pub fn remove(&mut self, numbers: std::ops::Range<usize>) {
+        for each in &mut self.each {
+            each.drain(numbers.clone());
+        }
+    }
+
+    /// Replaces the numbers of a sample by those of `e`.
+    pub fn whiten(&mut self, gain: &Gain, numbers: &mut [f64]) {
+        let (by, k) = (&gain.by, &gain.gain);
+        let [places, speeds, roughs] = &mut self.each;
+        let means = places.iter_mut().zip(speeds).zip(roughs);
+        for (number, ((place, speed), rough)) in numbers.iter_mut().zip(means) {
+            let expected = by[(0, 0)] * *place + by[(0, 1)] * *speed;
+            let expected_speed = by[(1, 0)] * *place + by[(1, 1)] * *speed;
+            let expected_rough = by[(2, 2)] * *rough;
+            let off = *number - expected - expected_rough;
+            *place = expected + k[0] * off;
+            *speed = expected_speed + k[1] * off;
+            *rough = expected_rough + k[2] * off;
+            *number = off * gain.per_sd;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+
+    use super::*;
+    use crate::math::random::Random;
+
+    const PROCESS: Process = Process {
+        smooth_sd: 1.3,
+        smooth_s: 0.6,
+        rough_sd: 0.4,
+        rough_s: 0.1,
+        noise_sd: 0.05,
+    };
+
+    /// Uneven times with two of them at once.
+    fn times_s(random: &mut Random) -> Vec<f64> {
+        let mut times_s: Vec<f64> = (0..40)
+            .map(|at| 0.02 * (f64::from(at) + 0.4 * random.signed()))
+            .collect();
+        times_s[7] = times_s[6];
+        times_s
+    }
+
+    /// Against the whole covariance of all samples.
+    #[test]
+    fn what_is_whitened_has_the_products_of_the_inverse_covariance() {
+        let mut random = Random::default();
+        let times_s = times_s(&mut random);
+        let columns = DMatrix::from_fn(40, 3, |_, _| random.signed());
+        let mut covariance = DMatrix::from_fn(40, 40, |a, b| {
+            PROCESS.covariance((times_s[a] - times_s[b]).abs())
+        });
+        for at in 0..40 {
+            covariance[(at, at)] += PROCESS.noise_sd.powi(2);
+        }
+        let factor = covariance.cholesky().expect("a covariance");
+        let stated = columns.tr_mul(&factor.solve(&columns));
+        let (mut filter, mut means) = (Filter::new(&PROCESS), Means::new(3));
+        let mut white = DMatrix::zeros(40, 3);
+        for (row, time_s) in times_s.iter().enumerate() {
+            let mut numbers: Vec<f64> = columns.row(row).iter().copied().collect();
+            means.whiten(&filter.next(*time_s), &mut numbers);
+            white.set_row(row, &DVector::from_vec(numbers).transpose());
+        }
+        let given = white.tr_mul(&white);
+        assert!((&given - &stated).amax() < 1e-9 * stated.amax(), "{given}");
+        let log = filter.log_variance();
+        assert!((log - factor.ln_determinant()).abs() < 1e-9, "{log}");
+    }
+
+    /// A number that is zero from some sample on leaves what [`Gain::forgets`] says.
+    #[test]
+    fn what_is_over_is_forgotten_as_the_gains_say() {
+        let mut random = Random::default();
+        let (mut filter, mut means) = (Filter::new(&PROCESS), Means::new(1));
+        let mut left: Option<Vector3<f64>> = None;
+        for (index, time_s) in times_s(&mut random).into_iter().enumerate() {
+            let gain = filter.next(time_s);
+            let mut number = [f64::from(u8::from(index < 5))];
+            means.whiten(&gain, &mut number);
+            let mean = Vector3::from_fn(|row, _| means.each[row][0]);
+            left = match left {
+                Some(before) if index >= 5 => Some(gain.forgets() * before),
+                _ => Some(mean),
+            };
+            let off = left.map_or(0.0, |left| (left - mean).amax());
+            assert!(off < 1e-13, "{index}: {off}");
+        }
+    }
+}

@@ -1,0 +1,368 @@
+//! Sizes and times of a hand's process that make the residuals of a motion likely.
+//!
+//! Of a motion that may go along the columns of `J`, linearised, with residuals `r` of covariance `V`, the restricted
+//! likelihood is that of all contrasts that the motion cannot follow (Patterson and Thompson, Biometrika 58, 1971):
+//!
+//! ```text
+//! −2 log L = ln |V| + ln |A| + rᵀ P r,   A = Jᵀ V⁻¹ J,   P = V⁻¹ − V⁻¹ J A⁻¹ Jᵀ V⁻¹
+//! ```
+//!
+//! A take tells little of some of the numbers, so that each has a prior about [`Process::EXPECTED`], normal in its
+//! logarithm. The best are found by Broyden, Fletcher, Goldfarb and Shanno's method with differences for slopes.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use super::process::{LogProcess, Process};
+use super::series::{SeriesRows, WhitenedProducts};
+
+/// Spread of the logarithm of each number of a process about what is expected.
+const SPREADS: LogProcess = [1.5, 1.0, 1.5, 0.8, 1.5];
+/// Samples that are nearer to one another tell little more of a hand \[s\].
+pub(super) const APART_S: f64 = 1.0 / 35.0;
+/// Greatest number of steps.
+const STEPS: usize = 30;
+/// Step of the differences.
+const STEP: f64 = 1e-4;
+/// The longest step in any logarithm.
+const LONGEST: f64 = 1.5;
+/// Steps end where one gains less than this of `−2 log L`.
+const GAIN: f64 = 1e-3;
+
+/// What is known of a motion whose samples have such errors.
+#[derive(Clone, Debug)]
+pub struct FittedErrors {
+    /// Errors of positions, and of orientations and directions.
+    pub processes: [Process; 2],
+    /// `−2 log L`, up to a constant, with what numbers cost that are not as expected.
+    pub merit: f64,
+    /// `A⁻¹ Jᵀ V⁻¹ r`: minus the step to the motion that is likeliest.
+    pub answer: DVector<f64>,
+    /// `A`, factorised.
+    pub information: Cholesky<f64, Dyn>,
+    /// `[u r]ᵀ P [u r]` of the columns after the free ones.
+    pub left: DMatrix<f64>,
+}
+
+impl FittedErrors {
+    /// Standard deviation along a direction in which the motion may go.
+    pub fn deviation(&self, direction: usize) -> f64 {
+        let mut unit = DVector::zeros(self.information.l_dirty().nrows());
+        unit[direction] = 1.0;
+        self.information.solve(&unit)[direction].max(0.0).sqrt()
+    }
+}
+
+/// SeriesRows of which some columns are directions in which the motion may go.
+#[derive(Clone, Copy, Debug)]
+pub struct Restricted<'r> {
+    /// The rows.
+    pub rows: &'r SeriesRows,
+    /// Number of its first columns that are such directions.
+    pub free: usize,
+    /// WhitenedProducts of the same columns of priors, which are independent and of unit variance.
+    pub priors: &'r DMatrix<f64>,
+    /// Information that every direction has besides, next to nothing: it holds what nothing tells.
+    pub least: f64,
+}
+
+impl Restricted<'_> {
+    /// What follows of errors of these sizes and times; `None` where a number is none.
+    pub fn at(&self, processes: &[Process; 2]) -> Option<FittedErrors> {
+        let products = [0, 1].map(|kind| self.rows.products(kind, &processes[kind]));
+        self.with(processes, [&products[0], &products[1]])
+    }
+
+    /// The likeliest errors, from where they are thought to be: as samples tell them that are not nearer to one another than a
+    /// hand moves.
+    pub fn fitted(&self, from: &[Process; 2]) -> Option<FittedErrors> {
+        let thinned = self.rows.thinned(APART_S);
+        let thin = Restricted {
+            rows: &thinned,
+            ..*self
+        };
+        self.at(&thin.likeliest(from)?.processes)
+    }
+
+    /// The likeliest errors as all samples tell them.
+    pub(super) fn likeliest(&self, from: &[Process; 2]) -> Option<FittedErrors> {
+        let kinds: Vec<usize> = (0..2).filter(|kind| self.rows.shows(*kind)).collect();
+        let mut logs = from.map(|process| process.logs());
+        let mut here = self.valued(&logs)?;
+        let size = Process::COUNT * kinds.len();
+        let place = |at: usize| (kinds[at / Process::COUNT], at % Process::COUNT);
+        let mut slope = self.slope(&here, &logs, size, &place)?;
+        let mut inverse = DMatrix::from_diagonal_element(size, size, 0.1);
+        for _ in 0..STEPS {
+            let mut step = -(&inverse * &slope);
+            if step.dot(&slope) >= 0.0 {
+                inverse = DMatrix::from_diagonal_element(size, size, 0.1);
+                step = -(&inverse * &slope);
+            }
+            step *= (LONGEST / step.amax().max(f64::MIN_POSITIVE)).min(1.0);
+            let mut moved = None;
+            for _ in 0..8 {
+                let mut there_logs = logs;
+                for (at, by) in step.iter().enumerate() {
+                    let (kind, number) = place(at);
+                    there_logs[kind][number] += by;
+                }
+                let there = self.valued(&there_logs);
+                if let Some(there) = there.filter(|of| of.merit < here.merit) {
+                    moved = Some((there_logs, there));
+                    break;
+                }
+                step *= 0.3;
+            }
+            let Some((there_logs, there)) = moved else {
+                break;
+            };
+            let gained = here.merit - there.merit;
+            let slope_there = self.slope(&there, &there_logs, size, &place)?;
+            update(&mut inverse, &step, &(&slope_there - &slope));
+            (logs, here, slope) = (there_logs, there, slope_there);
+            if gained < GAIN {
+                break;
+            }
+        }
+        self.at(&logs.map(|of| Process::of_logs(&of)))
+    }
+
+    fn valued(&self, logs: &[LogProcess; 2]) -> Option<Valued> {
+        let processes = logs.map(|of| Process::of_logs(&of));
+        let products = [0, 1].map(|kind| self.rows.products(kind, &processes[kind]));
+        let all = [&products[0], &products[1]];
+        let merit = self.with(&processes, all)?.merit;
+        merit.is_finite().then_some(Valued { merit, products })
+    }
+
+    /// Slope of the merit: of the numbers of one kind only that kind's products change.
+    fn slope(
+        &self,
+        here: &Valued,
+        logs: &[LogProcess; 2],
+        size: usize,
+        place: &dyn Fn(usize) -> (usize, usize),
+    ) -> Option<DVector<f64>> {
+        let mut slope = DVector::zeros(size);
+        for at in 0..size {
+            let (kind, number) = place(at);
+            let mut there = *logs;
+            there[kind][number] += STEP;
+            let processes = there.map(|of| Process::of_logs(&of));
+            let changed = self.rows.products(kind, &processes[kind]);
+            let all = match kind {
+                0 => [&changed, &here.products[1]],
+                _ => [&here.products[0], &changed],
+            };
+            let of = self.with(&processes, all)?;
+            slope[at] = (of.merit - here.merit) / STEP;
+        }
+        Some(slope)
+    }
+
+    fn with(
+        &self,
+        processes: &[Process; 2],
+        products: [&WhitenedProducts; 2],
+    ) -> Option<FittedErrors> {
+        let [positions, orientations] = products;
+        let gram = &positions.gram + &orientations.gram + self.priors;
+        let others = gram.ncols() - self.free;
+        let mut free = gram.view((0, 0), (self.free, self.free)).into_owned();
+        for at in 0..self.free {
+            free[(at, at)] += self.least;
+        }
+        let across = gram.view((0, self.free), (self.free, others));
+        let information = free.cholesky()?;
+        let left = gram.view((self.free, self.free), (others, others))
+            - across.tr_mul(&information.solve(&across));
+        let log_variance = positions.log_variance + orientations.log_variance;
+        let misfit = left[(others - 1, others - 1)];
+        Some(FittedErrors {
+            processes: *processes,
+            merit: log_variance + information.ln_determinant() + misfit + penalty(processes),
+            answer: information.solve(&across.column(others - 1)),
+            information,
+            left,
+        })
+    }
+}
+
+struct Valued {
+    merit: f64,
+    products: [WhitenedProducts; 2],
+}
+
+/// What numbers cost that are not as expected.
+fn penalty(processes: &[Process; 2]) -> f64 {
+    let expected = Process::EXPECTED.logs();
+    let of = |logs: &LogProcess| -> f64 {
+        let numbers = logs.iter().zip(&expected).zip(&SPREADS);
+        numbers
+            .map(|((log, mean), spread)| ((log - mean) / spread).powi(2))
+            .sum()
+    };
+    processes.iter().map(|process| of(&process.logs())).sum()
+}
+
+/// The inverse Hessian after a step, along which the slope changed so.
+fn update(inverse: &mut DMatrix<f64>, step: &DVector<f64>, change: &DVector<f64>) {
+    let along = step.dot(change);
+    if along <= 1e-12 * step.norm() * change.norm() {
+        return;
+    }
+    let size = step.len();
+    let per = along.recip();
+    let across = DMatrix::identity(size, size) - change * step.transpose() * per;
+    *inverse = across.tr_mul(&*inverse) * &across + step * step.transpose() * per;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::wander::filter::{Filter, Means};
+    use crate::estimate::wander::series::Series;
+    use crate::math::random::Random;
+    use crate::motion::TrackIndex;
+
+    const TRUE: Process = Process {
+        smooth_sd: 2.0,
+        smooth_s: 0.6,
+        rough_sd: 0.05,
+        rough_s: 0.15,
+        noise_sd: 0.1,
+    };
+
+    /// Samples of the process about a parabola, with columns of it.
+    fn drawn(random: &mut Random, samples: usize) -> (Vec<Series>, DMatrix<f64>) {
+        let times_s: Vec<f64> = (0..samples).map(|at| 0.02 * at as f64).collect();
+        let mut columns = DMatrix::zeros(3 * samples, 10);
+        for axis in 0..3 {
+            for (row, time_s) in times_s.iter().enumerate() {
+                for power in 0..3 {
+                    columns[(3 * row + axis, 3 * power + axis)] = time_s.powi(power as i32);
+                }
+            }
+            // `r = L e`: what the filter takes off is put back on.
+            let (mut filter, mut means) = (Filter::new(&TRUE), Means::new(2));
+            for (row, time_s) in times_s.iter().enumerate() {
+                let gain = filter.next(*time_s);
+                let mut probe = means.clone();
+                let mut unit = [0.0, 1.0];
+                probe.whiten(&gain, &mut unit);
+                // `e = offset + slope r`.
+                let (mut zero, mut one) = ([0.0, 0.0], [1.0, 1.0]);
+                means.clone().whiten(&gain, &mut zero);
+                means.clone().whiten(&gain, &mut one);
+                let value = (random.normal() - zero[0]) / (one[0] - zero[0]);
+                let mut both = [value, 0.0];
+                means.whiten(&gain, &mut both);
+                columns[(3 * row + axis, 9)] = value;
+            }
+        }
+        let series = Series {
+            track: TrackIndex(0),
+            kind: 0,
+            times_s,
+            rows: (0..samples).map(|row| 3 * row).collect(),
+            unit: 1.0,
+        };
+        (vec![series], columns)
+    }
+
+    /// Of hands that are drawn, the sizes come back, on average over their logarithms.
+    #[test]
+    fn the_likeliest_errors_are_about_those_that_were_drawn() {
+        let mut random = Random::default();
+        let mut off = [0.0; 3];
+        let count = 20;
+        for _ in 0..count {
+            let (series, columns) = drawn(&mut random, 120);
+            let rows = SeriesRows::new(&series, &columns);
+            let priors = DMatrix::zeros(10, 10);
+            let of = Restricted {
+                rows: &rows,
+                free: 9,
+                priors: &priors,
+                least: 1e-9,
+            };
+            let fitted = of.likeliest(&[Process::EXPECTED; 2]).expect("a likelihood");
+            let found = fitted.processes[0].logs();
+            for (off, at) in off.iter_mut().zip([0, 1, 4]) {
+                *off += (found[at] - TRUE.logs()[at]) / f64::from(count);
+            }
+            // No sample shows the other kind, of which what is expected stays.
+            assert_eq!(
+                fitted.processes[1],
+                Process::of_logs(&Process::EXPECTED.logs())
+            );
+        }
+        assert!(off[0].abs() < 0.3 && off[1].abs() < 0.3, "{off:?}");
+        assert!(off[2].abs() < 0.15, "{off:?}");
+    }
+
+    /// Where it ends no number of the process makes it less.
+    #[test]
+    fn nothing_near_by_is_likelier() {
+        let mut random = Random::default();
+        let (series, columns) = drawn(&mut random, 60);
+        let rows = SeriesRows::new(&series, &columns);
+        let priors = DMatrix::zeros(10, 10);
+        let of = Restricted {
+            rows: &rows,
+            free: 9,
+            priors: &priors,
+            least: 1e-9,
+        };
+        let best = of.likeliest(&[Process::EXPECTED; 2]).expect("a likelihood");
+        for number in 0..Process::COUNT {
+            for by in [-0.05, 0.05] {
+                let mut logs = best.processes[0].logs();
+                logs[number] += by;
+                let there = [Process::of_logs(&logs), best.processes[1]];
+                let there = of.at(&there).expect("a likelihood").merit;
+                assert!(there > best.merit - 2e-3, "{number} {by}");
+            }
+        }
+    }
+
+    /// A step that is kept fixed wrongly is told, and no other: of samples of noise, and of those of a hand.
+    #[test]
+    fn a_wrong_quantity_is_told_and_a_right_one_is_not() {
+        use crate::estimate::wander::wrong;
+        let mut random = Random::default();
+        for by in [0.0, 3.0] {
+            let (series, mut columns) = drawn(&mut random, 120);
+            columns = columns.insert_column(9, 0.0);
+            for row in 180..360 {
+                columns[(row, 9)] = f64::from(u8::from(row % 3 == 2));
+                columns[(row, 10)] += by * columns[(row, 9)];
+            }
+            let rows = SeriesRows::new(&series, &columns);
+            let priors = DMatrix::zeros(11, 11);
+            let of = Restricted {
+                rows: &rows,
+                free: 9,
+                priors: &priors,
+                least: 1e-9,
+            };
+            let narrow = of.fitted(&[Process::EXPECTED; 2]).expect("a likelihood");
+            let kept = [wrong::KeptQuantity {
+                typical: 1.0,
+                explains_least: 0.0,
+            }];
+            let judged = wrong::judge(&of, &narrow, &kept, &mut || false).expect("time");
+            assert!(judged.shows[0].is_finite());
+            let changes: Vec<f64> = judged.wrong.iter().map(|of| of.change).collect();
+            match by > 0.0 {
+                true => assert!(
+                    changes.len() == 1 && (changes[0] + by).abs() < 0.5,
+                    "{changes:?}"
+                ),
+                false => assert!(changes.is_empty(), "{changes:?}"),
+            }
+            let stopped = wrong::judge(&of, &narrow, &kept, &mut || true);
+            assert!(stopped.is_none() || by == 0.0);
+        }
+    }
+}

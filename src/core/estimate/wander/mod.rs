@@ -1,0 +1,16 @@
+//! The errors of a hand as a process in time: slow ones are likely, fast ones are not.
+//!
+//! A hand strays by centimetres, but slowly; a tracker adds a thousandth of that at every sample. Residuals that are
+//! weighed one by one know nothing of this: a motion may follow the wander as if each sample told of it anew. Here the
+//! residuals of a [`series`] are taken for a [`process`], and a [`filter`] turns them and their derivatives into errors
+//! that are independent and of unit variance, in one pass. Sizes and times of the process follow from the residuals
+//! themselves by their restricted [`likelihood`], and so does which quantity of a scene is [`wrong`].
+
+pub mod filter;
+pub mod likelihood;
+pub mod process;
+pub mod series;
+pub mod wrong;
+
+pub use filter::{Filter, Means};
+pub use process::Process;

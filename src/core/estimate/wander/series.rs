@@ -1,0 +1,161 @@
+//! Residuals of a motion, linearised, series by series.
+
+use nalgebra::DMatrix;
+
+use super::filter::{Filter, Means};
+use super::process::Process;
+use crate::motion::TrackIndex;
+
+/// Samples of one track that are of one kind: its places, or how it is turned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// What was tracked.
+    pub track: TrackIndex,
+    /// 0: positions, 1: orientations and directions.
+    pub kind: usize,
+    /// When its samples were \[s\], in order.
+    pub times_s: Vec<f64>,
+    /// The first row of each: it has three.
+    pub rows: Vec<usize>,
+    /// One unit of its residuals \[m or rad\].
+    pub unit: f64,
+}
+
+/// SeriesRows of samples, in units, of several columns: derivatives along the directions in which the motion may go, then
+/// others.
+#[derive(Clone, Debug)]
+pub struct SeriesRows {
+    series: Vec<RowsOfSeries>,
+    /// Number of columns; the residuals are the last.
+    count: usize,
+}
+
+/// The rows of one series.
+#[derive(Clone, Debug)]
+struct RowsOfSeries {
+    kind: usize,
+    unit: f64,
+    times_s: Vec<f64>,
+    /// Sample by sample, column by column, axis by axis.
+    numbers: Vec<f64>,
+}
+
+/// WhitenedProducts of whitened columns, `[J u r]ᵀ V⁻¹ [J u r]`, of samples of one kind.
+#[derive(Clone, Debug)]
+pub struct WhitenedProducts {
+    /// The products.
+    pub gram: DMatrix<f64>,
+    /// `ln |V|`.
+    pub log_variance: f64,
+}
+
+impl SeriesRows {
+    /// The rows of series in a matrix of all columns.
+    pub fn new(series: &[Series], columns: &DMatrix<f64>) -> Self {
+        let of_series = series.iter().map(|of| RowsOfSeries {
+            kind: of.kind,
+            unit: of.unit,
+            times_s: of.times_s.clone(),
+            numbers: of
+                .rows
+                .iter()
+                .flat_map(|row| columns.rows(*row, 3).iter().copied().collect::<Vec<_>>())
+                .collect(),
+        });
+        Self {
+            series: of_series.collect(),
+            count: columns.ncols(),
+        }
+    }
+
+    /// The same with some of the columns.
+    pub fn select(&self, kept: &[usize]) -> Self {
+        let of_series = self.series.iter().map(|of| RowsOfSeries {
+            numbers: of
+                .numbers
+                .chunks_exact(3 * self.count)
+                .flat_map(|sample| kept.iter().flat_map(|at| &sample[3 * at..3 * at + 3]))
+                .copied()
+                .collect(),
+            ..of.clone()
+        });
+        Self {
+            series: of_series.collect(),
+            count: kept.len(),
+        }
+    }
+
+    /// The same with samples that are at least so far apart \[s\].
+    pub fn thinned(&self, apart_s: f64) -> Self {
+        let of_series = self.series.iter().map(|of| {
+            let mut thin = RowsOfSeries {
+                times_s: Vec::new(),
+                numbers: Vec::new(),
+                ..*of
+            };
+            let samples = of.numbers.chunks_exact(3 * self.count);
+            for (time_s, sample) in of.times_s.iter().zip(samples) {
+                let last_s = thin.times_s.last();
+                if last_s.is_none_or(|last_s| *time_s >= last_s + apart_s) {
+                    thin.times_s.push(*time_s);
+                    thin.numbers.extend(sample);
+                }
+            }
+            thin
+        });
+        Self {
+            series: of_series.collect(),
+            count: self.count,
+        }
+    }
+
+    /// Number of columns.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Number of samples, each kind by itself.
+    pub fn samples(&self) -> usize {
+        self.series.iter().map(|of| of.times_s.len()).sum()
+    }
+
+    /// Whether any sample is of a kind.
+    pub fn shows(&self, kind: usize) -> bool {
+        let mut series = self.series.iter();
+        series.any(|of| of.kind == kind && !of.times_s.is_empty())
+    }
+
+    /// One unit of residuals of a kind \[m or rad\]; the greatest of several.
+    pub fn unit(&self, kind: usize) -> f64 {
+        let of_kind = self.series.iter().filter(|of| of.kind == kind);
+        of_kind.map(|of| of.unit).fold(0.0, f64::max)
+    }
+
+    /// WhitenedProducts of the samples of one kind, whose errors are such a process.
+    pub fn products(&self, kind: usize, process: &Process) -> WhitenedProducts {
+        let count = self.count;
+        let mut products = WhitenedProducts {
+            gram: DMatrix::zeros(count, count),
+            log_variance: 0.0,
+        };
+        let mut white = DMatrix::zeros(0, 0);
+        for of in self.series.iter().filter(|of| of.kind == kind) {
+            let (mut filter, mut means) = (Filter::new(process), Means::new(3 * count));
+            let samples = of.times_s.len();
+            white.resize_mut(3 * samples, count, 0.0);
+            let mut numbers = vec![0.0; 3 * count];
+            let each = of.times_s.iter().zip(of.numbers.chunks_exact(3 * count));
+            for (index, (time_s, sample)) in each.enumerate() {
+                numbers.copy_from_slice(sample);
+                means.whiten(&filter.next(*time_s), &mut numbers);
+                for (column, three) in numbers.chunks_exact(3).enumerate() {
+                    let first = column * 3 * samples + 3 * index;
+                    white.as_mut_slice()[first..first + 3].copy_from_slice(three);
+                }
+            }
+            products.gram.gemm_tr(1.0, &white, &white, 1.0);
+            products.log_variance += 3.0 * filter.log_variance();
+        }
+        products
+    }
+}

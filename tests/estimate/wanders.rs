@@ -1,0 +1,148 @@
+//! Errors of a hand as a process in time: motions come nearer to the truth, intervals hold it, and right scenes stay right.
+
+use enact::motion::{Fits, Performer, Quantity, Verdict, Weights};
+use enact_tools::case::{Case, Posed};
+use enact_tools::nonsense::wrong::Wrong;
+use enact_tools::perform::{Acting, Style, bounces};
+use enact_tools::trees::{self, Jointed, Kind, TreeActing};
+
+const SEEDS: std::ops::Range<u64> = 9700..9710;
+
+/// A usual hand in real time, which rounds its kinks.
+fn hand() -> Acting {
+    Acting {
+        wander_pace: 1.0,
+        kink_s: 0.008,
+        ..Acting::timing_known()
+    }
+}
+
+/// Errors of the events' times \[s\], in their deviations too, and of the flights' turns \[rad\].
+#[derive(Default)]
+struct Off {
+    times_s: Vec<f64>,
+    deviations: Vec<f64>,
+    turns_rad: Vec<f64>,
+}
+
+fn off(performer: Performer) -> Off {
+    let mut off = Off::default();
+    for seed in SEEDS {
+        let truth = bounces(2, seed).expect("a throw");
+        let mut case = Case::new(&truth, &hand(), seed);
+        case.performance.truth.scene.performer = performer;
+        let outcome = case.pipeline().finish(&mut ()).expect("an estimate");
+        let estimate = &outcome.estimate;
+        let is_right = performer != Performer::Wandering || estimate.fits() == Fits::Yes;
+        assert!(is_right && estimate.suspects.is_empty(), "{seed}");
+        let posed = Posed::new(case.scene(), &outcome.sketch);
+        let offset_s = case.offset_s(&posed, &outcome.sketch);
+        let free = |event: usize| posed.problem.event_is_free[event];
+        for event in estimate.events.iter().filter(|of| free(of.event)) {
+            let off_s = event.time_s - offset_s - truth.event_times_s[event.event];
+            off.times_s.push(off_s);
+            off.deviations
+                .push(off_s / event.sd_s.expect("a deviation"));
+        }
+        for (index, arc) in estimate.arcs.iter().enumerate() {
+            let there = case.true_state(index, arc.epoch_s, offset_s);
+            off.turns_rad
+                .push(arc.state.minus(&there).fixed_rows::<3>(3).norm());
+        }
+    }
+    off
+}
+
+fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|of| of * of).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+/// Bounces are four times as near to their true times, and turns twice, with kinks that no hand makes sharp.
+#[test]
+fn a_throw_is_nearer_to_the_truth() {
+    let [one_by_one, in_time] = [Performer::Hand, Performer::Wandering].map(off);
+    let times_s = [&one_by_one, &in_time].map(|of| rms(&of.times_s));
+    assert!(times_s[1] < 0.25 * times_s[0], "{times_s:?}");
+    let turns_rad = [&one_by_one, &in_time].map(|of| rms(&of.turns_rad));
+    assert!(turns_rad[1] < 0.5 * turns_rad[0], "{turns_rad:?}");
+    // Deviations are those of the errors: neither much too wide nor too narrow.
+    let spread = rms(&in_time.deviations);
+    assert!((0.4..1.5).contains(&spread), "{spread}");
+}
+
+/// The tip of a pencil, a goal that must hold and a rate at which samples tell nothing new.
+#[test]
+fn goals_hold_and_more_samples_take_nothing_away() {
+    let mut times_s = Vec::new();
+    for rate_hz in [60.0, 480.0] {
+        let mut off_s = Vec::new();
+        for seed in SEEDS {
+            let acting = Acting { rate_hz, ..hand() };
+            let mut case = Case::pencil(Style::Tip, &acting, seed);
+            case.performance.truth.scene.performer = Performer::Wandering;
+            let outcome = case.pipeline().finish(&mut ()).expect("an estimate");
+            let estimate = &outcome.estimate;
+            assert_eq!(estimate.verdict, Verdict::Physical, "{seed}");
+            let (miss_m, turn_rad) = enact_tools::errors::goal_gap(&case, estimate);
+            assert!(miss_m < 1e-8 && turn_rad < 1e-8, "{seed}: {miss_m}");
+            let posed = Posed::new(case.scene(), &outcome.sketch);
+            let offset_s = case.offset_s(&posed, &outcome.sketch);
+            let bounce = estimate.events.iter().find(|of| of.sd_s.is_some());
+            let bounce = bounce.expect("a bounce");
+            let true_s = case.performance.truth.event_times_s[bounce.event];
+            off_s.push(bounce.time_s - offset_s - true_s);
+        }
+        times_s.push(rms(&off_s));
+    }
+    assert!(times_s[1] < 1.5 * times_s[0], "{times_s:?}");
+}
+
+/// A restitution that is wrong is named in most throws, though a whole hand strays.
+#[test]
+fn a_wrong_restitution_is_named() {
+    let mut named = 0;
+    for seed in SEEDS {
+        let mut asked = Wrong::Restitution.asked(&hand(), seed).expect("a throw");
+        asked.scene.performer = Performer::Wandering;
+        asked.scene.weights = Weights {
+            position_m: 0.01,
+            orientation_rad: 0.1,
+        };
+        let outcome = asked.answered().expect("an estimate");
+        let is_restitution = |of: &(Quantity, f64)| matches!(of.0, Quantity::Restitution { .. });
+        let mut suspects = outcome.estimate.suspects.iter();
+        named += usize::from(suspects.any(|of| of.values.iter().any(is_restitution)));
+    }
+    assert!(named >= 5, "{named}");
+}
+
+/// A pendulum of which one point is seen, too, also where its tempo is not known.
+#[test]
+fn a_pendulum_is_nearer_to_the_truth() {
+    let kind = Kind::pendulum(2, Jointed::Universal);
+    let off = |performer: Performer, seed: u64| {
+        let performance = trees::perform(&kind, &TreeActing::of(1.0), seed);
+        let mut scene = performance.scene.clone();
+        scene.performer = performer;
+        let events = performance.events.iter().cloned();
+        let outcome = enact::pipeline::Pipeline::of(scene, events).finish(&mut ());
+        let estimate = outcome.expect("an estimate").estimate;
+        assert_eq!(estimate.verdict, Verdict::Physical, "{seed}");
+        assert!(estimate.suspects.is_empty(), "{seed}");
+        let found = &estimate.trees[0].knots[0].state;
+        let off = performance.tree().minus(found, &performance.truth);
+        rms(&off)
+    };
+    let [one_by_one, in_time] = [Performer::Hand, Performer::Wandering].map(|performer| {
+        let each: Vec<f64> = SEEDS.map(|seed| off(performer, seed)).collect();
+        rms(&each)
+    });
+    assert!(in_time < 0.5 * one_by_one, "{in_time} {one_by_one}");
+    let slowly = trees::perform(&kind, &TreeActing::of(1.0).slowly(), 9700);
+    let mut scene = slowly.scene.clone();
+    scene.performer = Performer::Wandering;
+    let events = slowly.events.iter().cloned();
+    let outcome = enact::pipeline::Pipeline::of(scene, events).finish(&mut ());
+    let estimate = outcome.expect("an estimate").estimate;
+    assert_eq!(estimate.verdict, Verdict::Physical);
+}
