@@ -28,6 +28,12 @@ fn where_it_may_not_is_said_with_what_is_expected() {
         refused(&text, line, "\"wanders\"", what);
         refused(&text, line, "\"wanders\"", "expected hand = \"acted\"");
     }
+    let open = wandering("physical").replacen("surface = \"table\"\n", "", 1);
+    let line = 1 + open
+        .lines()
+        .position(|line| line.starts_with("hand"))
+        .expect("a line");
+    refused(&open, line, "\"wanders\"", "contacts that are to be found");
     let other = wandering("physical").replacen("wanders", "strays", 1);
     let line = 1 + other
         .lines()

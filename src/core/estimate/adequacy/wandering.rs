@@ -84,12 +84,17 @@ pub(super) fn judge(
 /// Share of the wander that has to go with what a hand that drifts steadily is like.
 const DRIFT: f64 = 0.5;
 
-/// How a quantity is looked at: a hand that drifts steadily is like a clock that is slow or another gravity, but its wander
-/// stays where one of them is free.
+/// How a quantity is looked at: a hand that drifts steadily is like a clock that is slow, another gravity or drag, but its
+/// wander stays where one of them is free.
 fn kept(quantity: Quantity) -> KeptQuantity {
     let is_like_drift = matches!(
         quantity,
-        Quantity::ClockRate { .. } | Quantity::ClockOffset { .. } | Quantity::Gravity { .. }
+        Quantity::ClockRate { .. }
+            | Quantity::ClockOffset { .. }
+            | Quantity::Gravity { .. }
+            | Quantity::Force { .. }
+            | Quantity::LinearDrag { .. }
+            | Quantity::QuadraticDrag { .. }
     );
     KeptQuantity {
         typical: quantity.typical(),

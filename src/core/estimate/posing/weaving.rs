@@ -12,7 +12,7 @@ use crate::estimate::problem::{Arc, Problem, View};
 use crate::estimate::wander::{Filter, Process};
 
 /// Samples are left out so near to an impact \[s\],
-const KINK_S: f64 = 0.02;
+const KINK_S: f64 = 0.04;
 /// but no more of a flight at either end than this share.
 const KINK_SHARE: f64 = 0.1;
 /// What is left of an influence that is forgotten.

@@ -14,15 +14,16 @@ const ROUNDS: usize = 3;
 /// Errors are told well where no logarithm of their sizes and times changes by more.
 const SAME: f64 = 0.05;
 
-/// The solution with the likeliest errors, and its problem; `None` where times are unknown, where the motion is no optimum
-/// and where that leads to none.
+/// The solution with the likeliest errors, and its problem; `None` where times are unknown, where velocities jump, where the
+/// motion is no optimum and where that leads to none.
 pub(super) fn refined(
     posed: &Posed,
     solution: &Solution,
     epochs_s: &[f64],
     observer: &mut dyn Observer,
 ) -> Option<(Posed, Solution)> {
-    if posed.problem.times_are_unknown() || !solution.finished.converged {
+    let is_bent = posed.problem.velocity_gap_weight.is_some();
+    if is_bent || posed.problem.times_are_unknown() || !solution.finished.converged {
         return None;
     }
     let mut processes = [Process::EXPECTED; 2];

@@ -127,7 +127,7 @@ fn samples_near_an_impact_are_left_out() {
                 _ => f64::INFINITY,
             };
             for least_s in least_s {
-                assert!(least_s >= (0.1 * lasts_s).min(0.02) - 1e-12, "{least_s}");
+                assert!(least_s >= (0.1 * lasts_s).min(0.04) - 1e-12, "{least_s}");
             }
         }
     });

@@ -86,6 +86,7 @@ fn acting(hand: Hand, seed: u64) -> Acting {
                 wander_pace: drawn.wander_pace,
                 kink_s: drawn.kink_s,
                 rate_hz: drawn.rate_hz,
+                mark_error_s: 0.5 / drawn.rate_hz,
                 ..Acting::timing_known()
             }
         }
