@@ -26,6 +26,8 @@ use crate::optimise::kkt::Kkt;
 const WELL: f64 = 1e-3;
 /// A hand that strays farther than this, in units of the scene's weights, is none.
 const FAR: f64 = 10.0;
+/// Of a link's length, how far elsewhere a joint must show for a motion to be said to fit.
+const SHOWN_SHARE: f64 = 0.1;
 /// Greatest number of suspects.
 const MOST: usize = 4;
 /// Least number of contrasts that tell anything.
@@ -133,6 +135,7 @@ impl Asked<'_> {
         let is_no_hand = strays.fold(0.0, f64::max) > FAR;
         let fits = match () {
             () if !suspects.is_empty() || self.is_far || is_no_hand => Fits::No,
+            () if self.hides_joints(&judgement) => Fits::Unknown,
             () => Fits::Yes,
         };
         let noises = fitted.processes.map(|of| of.noise_sd);
@@ -144,6 +147,18 @@ impl Asked<'_> {
             whole: Some(whole),
         };
         Ok((fit, suspects))
+    }
+
+    /// Whether a joint that is elsewhere by more than a share of its link would not show.
+    fn hides_joints(&self, judgement: &Judgement) -> bool {
+        let each = self.quantities.iter().zip(&judgement.shows);
+        let mut shares = each.filter_map(|(quantity, shows_m)| match quantity {
+            Quantity::JointPlace { child, .. } => {
+                Some(shows_m / (2.0 * self.scene.links[*child].radius_m()))
+            }
+            _ => None,
+        });
+        shares.any(|share| share > SHOWN_SHARE)
     }
 
     /// Root mean square distance \[m\] and angle \[rad\] that noise makes.
