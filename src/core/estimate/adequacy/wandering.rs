@@ -203,28 +203,35 @@ impl Asked<'_> {
         })
     }
 
-    /// The likeliest, and those that explain the performance as well; of the components of one thing the likeliest stands for
-    /// all.
     fn suspects(&self, judgement: &Judgement) -> Vec<Suspect> {
-        let mut kept: Vec<Suspect> = Vec::new();
-        for wrong in &judgement.wrong {
+        let each = judgement.wrong.iter().map(|wrong| {
             let quantity = self.quantities[wrong.index];
             let [lower, upper] = quantity.limits();
             let value = (self.scene.value_of(quantity) + wrong.change).clamp(lower, upper);
-            let suspect = Suspect {
+            Suspect {
                 values: vec![(quantity, value)],
                 explains: wrong.explains,
                 gain: 2.0 * wrong.log_odds,
                 probability: (-wrong.log_odds).exp(),
-            };
-            let is_of_first = kept
-                .first()
-                .is_none_or(|first| first.is_rivalled_by(&suspect));
-            if is_of_first && !kept.iter().any(|better| better.is_same_as(&suspect)) {
-                kept.push(suspect);
             }
-        }
-        kept.truncate(MOST);
-        kept
+        });
+        together(each.collect())
     }
+}
+
+/// The likeliest, and those that explain the performance as well. Of the components of one thing, the one that explains
+/// best stands for all.
+pub(in crate::estimate) fn together(mut suspects: Vec<Suspect>) -> Vec<Suspect> {
+    suspects.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut kept: Vec<Suspect> = Vec::new();
+    for suspect in suspects {
+        let is_of_first = kept
+            .first()
+            .is_none_or(|first| first.is_rivalled_by(&suspect));
+        if is_of_first && !kept.iter().any(|better| better.is_same_as(&suspect)) {
+            kept.push(suspect);
+        }
+    }
+    kept.truncate(MOST);
+    kept
 }

@@ -36,7 +36,7 @@ use self::linear::Linear;
 use self::linearised::Linearised;
 use self::trial::{TriedQuantity, tried};
 use super::problem::TreeProblem;
-use crate::estimate::adequacy::wandering::Asked;
+use crate::estimate::adequacy::wandering::{Asked, together};
 use crate::estimate::wander::Process;
 use crate::motion::{
     Fit, FitUntold, Fits, GoalUnit, JointTree, Observer, Quantity, Scene, Suspect, Tested, WholeFit,
@@ -50,10 +50,8 @@ const WANDER: f64 = 3.0;
 const SUSPECTED: f64 = 6.0;
 /// and beyond which it is set free for a trial.
 const TRIED: f64 = 0.0;
-/// Greatest number of trials,
+/// Greatest number of trials.
 const TRIALS: usize = 6;
-/// and of suspects.
-const MOST: usize = 4;
 /// Least share of the misfit that a suspect explains: of a wander by chance, no quantity explains so much.
 const LEAST_SHARE: f64 = 0.3;
 /// Least number of residuals beyond what the motion may follow, and of those that tell the noise.
@@ -239,23 +237,6 @@ fn suspect_candidates(scene: &Scene, joined: &JointTree, of: &Linearised) -> Vec
             Some(SuspectCandidate { quantity, total })
         })
         .collect()
-}
-
-/// The likeliest, and those that explain the performance as well. Of the components of one thing, the one that explains
-/// best stands for all.
-fn together(mut suspects: Vec<Suspect>) -> Vec<Suspect> {
-    suspects.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let mut kept: Vec<Suspect> = Vec::new();
-    for suspect in suspects {
-        let is_of_first = kept
-            .first()
-            .is_none_or(|first| first.is_rivalled_by(&suspect));
-        if is_of_first && !kept.iter().any(|better| better.is_same_as(&suspect)) {
-            kept.push(suspect);
-        }
-    }
-    kept.truncate(MOST);
-    kept
 }
 
 /// The test of all residuals against white noise; `None` where too few are beyond what the motion may follow.
