@@ -221,6 +221,19 @@ impl Kkt {
         square(&self.curvature, x)
     }
 
+    /// Adds `Cᵀ W C d`, what the rows of a system, weighed as here, take off a direction `d` that does not hold them.
+    pub fn add_pulled(
+        &self,
+        structure: &Structure,
+        system: &System,
+        direction: &DVector<f64>,
+        to: &mut DVector<f64>,
+    ) {
+        let mut rows = Vec::new();
+        system.along(structure, direction, &mut rows);
+        system.add_pull(structure, |row| self.weight(row) * rows[row], to);
+    }
+
     /// Weight of a row in the factorised matrix; zero where it is not active.
     pub fn weight(&self, row: usize) -> f64 {
         self.weights[row]

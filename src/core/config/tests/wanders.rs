@@ -17,27 +17,24 @@ fn a_hand_may_wander_where_stamps_are_physical_times() {
     assert_eq!(scene.performer, Performer::Wandering);
 }
 
+/// The line that says so.
+fn line_of_hand(text: &str) -> usize {
+    let at = text.lines().position(|line| line.starts_with("hand"));
+    1 + at.expect("a line")
+}
+
 #[test]
 fn where_it_may_not_is_said_with_what_is_expected() {
     for (stamps, what) in [("edited", "edited stamps"), ("tempo", "by themselves")] {
         let text = wandering(stamps);
-        let line = 1 + text
-            .lines()
-            .position(|line| line.starts_with("hand"))
-            .expect("a line");
+        let line = line_of_hand(&text);
         refused(&text, line, "\"wanders\"", what);
         refused(&text, line, "\"wanders\"", "expected hand = \"acted\"");
     }
     let open = wandering("physical").replacen("surface = \"table\"\n", "", 1);
-    let line = 1 + open
-        .lines()
-        .position(|line| line.starts_with("hand"))
-        .expect("a line");
+    let line = line_of_hand(&open);
     refused(&open, line, "\"wanders\"", "contacts that are to be found");
     let other = wandering("physical").replacen("wanders", "strays", 1);
-    let line = 1 + other
-        .lines()
-        .position(|line| line.starts_with("hand"))
-        .expect("a line");
+    let line = line_of_hand(&other);
     refused(&other, line, "\"strays\"", "\"wanders\" or \"none\"");
 }

@@ -187,22 +187,16 @@ fn direction(
     system.hessian.multiply_add(pattern, &unit, &mut mixed);
     // Minus the derivative of the quadratic penalty's gradient along the direction so far.
     let mut direction = unit;
-    let mut rows = Vec::new();
     let (refinements, refined) = match context.problem.weave {
         Some(_) => EXACTLY,
         None => (REFINEMENTS, REFINED),
     };
     for refinement in 0..refinements {
-        system.along(context.structure(), &direction, &mut rows);
         let mut pulled = DVector::zeros(direction.len());
         if refinement == 0 {
             pulled += &mixed;
         }
-        system.add_pull(
-            context.structure(),
-            |row| kkt.weight(row) * rows[row],
-            &mut pulled,
-        );
+        kkt.add_pulled(context.structure(), system, &direction, &mut pulled);
         let mut step = pulled.rows(0, size).into_owned();
         kkt.solve(base.structure(), &mut step);
         let is_refined = step.amax() <= refined * direction.amax();

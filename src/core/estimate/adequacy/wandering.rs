@@ -15,7 +15,7 @@ use crate::estimate::problem::weave::Weave;
 use crate::estimate::schedule::recipe::Solution;
 use crate::estimate::terms::context::{Guidance, SolveContext};
 use crate::estimate::wander::likelihood::{FittedErrors, Restricted};
-use crate::estimate::wander::wrong::{self, Judgement, KeptQuantity, without_wander};
+use crate::estimate::wander::wrong::{self, Judgement, KeptQuantity};
 use crate::motion::{
     Fit, FitUntold, Fits, Observer, Performance, Quantity, Scene, Suspect, Tested, WholeFit,
 };
@@ -26,6 +26,8 @@ use crate::optimise::kkt::Kkt;
 const WELL: f64 = 1e-3;
 /// A hand that strays farther than this, in units of the scene's weights, is none.
 const FAR: f64 = 10.0;
+/// Share of the wander that has to go with what a hand that drifts steadily is like.
+const DRIFT: f64 = 0.5;
 /// Of a link's length, how far elsewhere a joint must show for a motion to be said to fit.
 const SHOWN_SHARE: f64 = 0.1;
 /// Greatest number of suspects.
@@ -83,9 +85,6 @@ pub(super) fn judge(
     })
 }
 
-/// Share of the wander that has to go with what a hand that drifts steadily is like.
-const DRIFT: f64 = 0.5;
-
 /// How a quantity is looked at: a hand that drifts steadily is like a clock that is slow, another gravity or drag, but its
 /// wander stays where one of them is free.
 fn kept(quantity: Quantity) -> KeptQuantity {
@@ -138,11 +137,13 @@ impl Asked<'_> {
             () if self.hides_joints(&judgement) => Fits::Unknown,
             () => Fits::Yes,
         };
-        let noises = fitted.processes.map(|of| of.noise_sd);
+        // What noise makes.
+        let alone =
+            [0, 1].map(|kind| 3_f64.sqrt() * fitted.processes[kind].noise_sd * of.rows.unit(kind));
         let fit = Fit {
             fits,
             joint: self.joint,
-            alone: self.of_noise(of, noises),
+            alone,
             parts: Vec::new(),
             whole: Some(whole),
         };
@@ -161,18 +162,13 @@ impl Asked<'_> {
         shares.any(|share| share > SHOWN_SHARE)
     }
 
-    /// Root mean square distance \[m\] and angle \[rad\] that noise makes.
-    fn of_noise(&self, of: &Restricted, noises: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|kind| 3_f64.sqrt() * noises[kind] * of.rows.unit(kind))
-    }
-
     fn whole(
         &self,
         of: &Restricted,
         fitted: &FittedErrors,
         judgement: &Judgement,
     ) -> Option<WholeFit> {
-        let alone = of.at(&without_wander(&fitted.processes))?;
+        let alone = &judgement.by_noise;
         let freedom = (3 * of.rows.samples()) as f64 - of.free as f64;
         if freedom < LEAST_FREEDOM {
             return None;

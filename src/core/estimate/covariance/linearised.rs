@@ -27,7 +27,7 @@ const LEAST: f64 = 1e-9;
 pub(in crate::estimate) struct LinearisedSolution {
     /// Along each direction, then the residuals.
     rows: SeriesRows,
-    /// WhitenedProducts of the same columns of priors.
+    /// Products of the same columns of priors.
     priors: DMatrix<f64>,
     /// Number of the first directions along which the motion may go.
     free: usize,
@@ -82,7 +82,9 @@ pub(in crate::estimate) fn free_directions(
         let mut step = DVector::from_fn(size, |at, _| random.signed() * scale[at]);
         kkt.solve(context.structure(), &mut step);
         for _ in 0..REFINEMENTS {
-            let pulled = pulled(context, system, kkt, &step);
+            let mut pulled = DVector::zeros(size);
+            kkt.add_pulled(context.structure(), system, &step, &mut pulled);
+            kkt.solve(context.structure(), &mut pulled);
             step -= pulled;
         }
         step.component_mul(&scale)
@@ -93,22 +95,6 @@ pub(in crate::estimate) fn free_directions(
         column.component_div_assign(&scale);
     }
     Some(basis)
-}
-
-/// What the constraints, weighed as they are factorised, take off a direction that does not quite hold them.
-fn pulled(
-    context: &SolveContext,
-    system: &System,
-    kkt: &Kkt,
-    direction: &DVector<f64>,
-) -> DVector<f64> {
-    let mut rows = Vec::new();
-    system.along(context.structure(), direction, &mut rows);
-    let mut pulled = DVector::zeros(direction.len());
-    let pull = |row: usize| kkt.weight(row) * rows[row];
-    system.add_pull(context.structure(), pull, &mut pulled);
-    kkt.solve(context.structure(), &mut pulled);
-    pulled
 }
 
 /// `Zᵀ H Z` of directions, with the gradient along them and twice the cost in the last row and column.

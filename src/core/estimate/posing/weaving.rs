@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::gravity;
 use crate::estimate::problem::influence::Acting;
 use crate::estimate::problem::weave::{Weave, WovenArc, WovenSample, WovenTrack};
-use crate::estimate::problem::{Arc, Problem, View};
+use crate::estimate::problem::{Arc, Problem};
 use crate::estimate::wander::{Filter, Process};
 
 /// Samples are left out so near to an impact \[s\],
@@ -39,12 +39,9 @@ impl Problem {
                 };
                 let track = &mut tracks[at];
                 if track.arcs.last().is_none_or(|last| last.arc != index) {
-                    let acting = self.acting_on(arc);
-                    let parameters = acting.iter().map(|acting| acting.parameter);
-                    track.parameters.extend(parameters);
                     track.arcs.push(WovenArc {
                         arc: index,
-                        acting,
+                        acting: Vec::new(),
                         samples: Vec::new(),
                         remembered: 0,
                     });
@@ -53,7 +50,7 @@ impl Problem {
                 let samples = (0..of.samples.len()).map(|sample| WovenSample {
                     view,
                     sample,
-                    acted_s: self.acted_s(of, sample),
+                    acted_s: of.samples[sample].time_s(&self.nodes_acted_s),
                 });
                 let is_counted =
                     |of: &WovenSample| (counted_s[0]..=counted_s[1]).contains(&of.acted_s);
@@ -61,8 +58,6 @@ impl Problem {
             }
         }
         for track in &mut tracks {
-            track.parameters.sort_unstable();
-            track.parameters.dedup();
             for woven in &mut track.arcs {
                 woven
                     .samples
@@ -73,10 +68,7 @@ impl Problem {
                 woven.remembered = remembered;
             }
         }
-        Self {
-            weave: Some(Weave { processes, tracks }),
-            ..self.clone()
-        }
+        self.woven_as(&Weave { processes, tracks })
     }
 
     /// The same problem where the samples err as those of another one that differs in its parameters alone.
@@ -96,11 +88,6 @@ impl Problem {
             weave: Some(weave),
             ..self.clone()
         }
-    }
-
-    /// When a sample was taken \[s, acted\].
-    fn acted_s(&self, view: &View, sample: usize) -> f64 {
-        view.samples[sample].time_s(&self.nodes_acted_s)
     }
 
     /// Between which acted times samples of a flight count \[s\].

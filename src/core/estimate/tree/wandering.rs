@@ -28,7 +28,7 @@ pub fn solved(
 }
 
 /// The same motion with the likeliest errors.
-pub(super) fn refined(mut solved: Solved, observer: &mut dyn Observer) -> Solved {
+fn refined(mut solved: Solved, observer: &mut dyn Observer) -> Solved {
     for _ in 0..ROUNDS {
         let Some(errors) = solved.problem.errors else {
             break;

@@ -52,14 +52,14 @@ impl FittedErrors {
     }
 }
 
-/// SeriesRows of which some columns are directions in which the motion may go.
+/// Rows of which some columns are directions in which the motion may go.
 #[derive(Clone, Copy, Debug)]
 pub struct Restricted<'r> {
     /// The rows.
     pub rows: &'r SeriesRows,
     /// Number of its first columns that are such directions.
     pub free: usize,
-    /// WhitenedProducts of the same columns of priors, which are independent and of unit variance.
+    /// Products of the same columns of priors, which are independent and of unit variance.
     pub priors: &'r DMatrix<f64>,
     /// Information that every direction has besides, next to nothing: it holds what nothing tells.
     pub least: f64,
@@ -68,8 +68,8 @@ pub struct Restricted<'r> {
 impl Restricted<'_> {
     /// What follows of errors of these sizes and times; `None` where a number is none.
     pub fn at(&self, processes: &[Process; 2]) -> Option<FittedErrors> {
-        let products = [0, 1].map(|kind| self.rows.products(kind, &processes[kind]));
-        self.with(processes, [&products[0], &products[1]])
+        let [positions, orientations] = self.products(processes);
+        self.with(processes, [&positions, &orientations])
     }
 
     /// The likeliest errors, from where they are thought to be: as samples tell them that are not nearer to one another than a
@@ -124,12 +124,19 @@ impl Restricted<'_> {
                 break;
             }
         }
-        self.at(&logs.map(|of| Process::of_logs(&of)))
+        let [positions, orientations] = &here.products;
+        let processes = logs.map(|of| Process::of_logs(&of));
+        self.with(&processes, [positions, orientations])
+    }
+
+    /// Products of both kinds.
+    fn products(&self, processes: &[Process; 2]) -> [WhitenedProducts; 2] {
+        [0, 1].map(|kind| self.rows.products(kind, &processes[kind]))
     }
 
     fn valued(&self, logs: &[LogProcess; 2]) -> Option<Valued> {
         let processes = logs.map(|of| Process::of_logs(&of));
-        let products = [0, 1].map(|kind| self.rows.products(kind, &processes[kind]));
+        let products = self.products(&processes);
         let all = [&products[0], &products[1]];
         let merit = self.with(&processes, all)?.merit;
         merit.is_finite().then_some(Valued { merit, products })
@@ -247,9 +254,6 @@ mod tests {
             let (mut filter, mut means) = (Filter::new(&TRUE), Means::new(2));
             for (row, time_s) in times_s.iter().enumerate() {
                 let gain = filter.next(*time_s);
-                let mut probe = means.clone();
-                let mut unit = [0.0, 1.0];
-                probe.whiten(&gain, &mut unit);
                 // `e = offset + slope r`.
                 let (mut zero, mut one) = ([0.0, 0.0], [1.0, 1.0]);
                 means.clone().whiten(&gain, &mut zero);
@@ -270,6 +274,16 @@ mod tests {
         (vec![series], columns)
     }
 
+    /// Of a motion that is a parabola.
+    fn about_parabola<'r>(rows: &'r SeriesRows, priors: &'r DMatrix<f64>) -> Restricted<'r> {
+        Restricted {
+            rows,
+            free: 9,
+            priors,
+            least: 1e-9,
+        }
+    }
+
     /// Of hands that are drawn, the sizes come back, on average over their logarithms.
     #[test]
     fn the_likeliest_errors_are_about_those_that_were_drawn() {
@@ -280,12 +294,7 @@ mod tests {
             let (series, columns) = drawn(&mut random, 120);
             let rows = SeriesRows::new(&series, &columns);
             let priors = DMatrix::zeros(10, 10);
-            let of = Restricted {
-                rows: &rows,
-                free: 9,
-                priors: &priors,
-                least: 1e-9,
-            };
+            let of = about_parabola(&rows, &priors);
             let fitted = of.likeliest(&[Process::EXPECTED; 2]).expect("a likelihood");
             let found = fitted.processes[0].logs();
             for (off, at) in off.iter_mut().zip([0, 1, 4]) {
@@ -308,12 +317,7 @@ mod tests {
         let (series, columns) = drawn(&mut random, 60);
         let rows = SeriesRows::new(&series, &columns);
         let priors = DMatrix::zeros(10, 10);
-        let of = Restricted {
-            rows: &rows,
-            free: 9,
-            priors: &priors,
-            least: 1e-9,
-        };
+        let of = about_parabola(&rows, &priors);
         let best = of.likeliest(&[Process::EXPECTED; 2]).expect("a likelihood");
         for number in 0..Process::COUNT {
             for by in [-0.05, 0.05] {
@@ -340,12 +344,7 @@ mod tests {
             }
             let rows = SeriesRows::new(&series, &columns);
             let priors = DMatrix::zeros(11, 11);
-            let of = Restricted {
-                rows: &rows,
-                free: 9,
-                priors: &priors,
-                least: 1e-9,
-            };
+            let of = about_parabola(&rows, &priors);
             let narrow = of.fitted(&[Process::EXPECTED; 2]).expect("a likelihood");
             let kept = [wrong::KeptQuantity {
                 typical: 1.0,

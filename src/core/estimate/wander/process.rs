@@ -95,7 +95,8 @@ impl Process {
     }
 
     /// Covariance of the process without its white part, at times so far apart \[s\].
-    pub fn covariance(&self, apart_s: f64) -> f64 {
+    #[cfg(test)]
+    pub(super) fn covariance(&self, apart_s: f64) -> f64 {
         let along = self.rate_per_s() * apart_s;
         let smooth = self.smooth_sd.powi(2) * (1.0 + along) * (-along).exp();
         smooth + self.rough_sd.powi(2) * (-apart_s / self.rough_s).exp()

@@ -21,7 +21,7 @@ pub struct Series {
     pub unit: f64,
 }
 
-/// SeriesRows of samples, in units, of several columns: derivatives along the directions in which the motion may go, then
+/// Rows of samples, in units, of several columns: derivatives along the directions in which the motion may go, then
 /// others.
 #[derive(Clone, Debug)]
 pub struct SeriesRows {
@@ -40,7 +40,7 @@ struct RowsOfSeries {
     numbers: Vec<f64>,
 }
 
-/// WhitenedProducts of whitened columns, `[J u r]ᵀ V⁻¹ [J u r]`, of samples of one kind.
+/// Products of whitened columns, `[J u r]ᵀ V⁻¹ [J u r]`, of samples of one kind.
 #[derive(Clone, Debug)]
 pub struct WhitenedProducts {
     /// The products.
@@ -131,7 +131,7 @@ impl SeriesRows {
         of_kind.map(|of| of.unit).fold(0.0, f64::max)
     }
 
-    /// WhitenedProducts of the samples of one kind, whose errors are such a process.
+    /// Products of the samples of one kind, whose errors are such a process.
     pub fn products(&self, kind: usize, process: &Process) -> WhitenedProducts {
         let count = self.count;
         let mut products = WhitenedProducts {

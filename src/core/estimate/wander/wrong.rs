@@ -46,8 +46,10 @@ pub struct WrongQuantity {
 }
 
 /// What a motion's samples say of quantities that are kept fixed.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Judgement {
+    /// What follows where no hand strayed.
+    pub by_noise: FittedErrors,
     /// Those that are wrong, the likeliest first.
     pub wrong: Vec<WrongQuantity>,
     /// Of each the change that would show, infinite where none would.
@@ -106,6 +108,7 @@ pub fn judge(
     Some(Judgement {
         wrong,
         shows: shows.collect(),
+        by_noise,
     })
 }
 
@@ -144,7 +147,7 @@ fn with_one(
 }
 
 /// The errors of a motion of which no hand strayed: the same without their wander.
-pub fn without_wander(processes: &[Process; 2]) -> [Process; 2] {
+fn without_wander(processes: &[Process; 2]) -> [Process; 2] {
     processes.map(|of| Process {
         smooth_sd: f64::MIN_POSITIVE.sqrt(),
         rough_sd: f64::MIN_POSITIVE.sqrt(),

@@ -21,7 +21,7 @@ pub(in crate::estimate::tree) struct Linearised<'s> {
     pub(super) point: &'s TreePoint,
     pub(super) active: ActiveSet,
     pub(super) linear: Linear,
-    /// What they may be where each sample errs by itself.
+    /// What errors may be where each sample errs by itself.
     pub(super) errors: Option<TreeErrors>,
     pub(super) held: HeldDirections,
 }
@@ -68,7 +68,7 @@ impl<'s> Linearised<'s> {
         columns
     }
 
-    /// SeriesRows of samples of such columns, and products of those of priors.
+    /// Rows of samples of such columns, and products of those of priors.
     pub(super) fn rows(&self, columns: &DMatrix<f64>) -> (SeriesRows, DMatrix<f64>) {
         let first = self.linear.sample_rows();
         let priors = columns.rows(first, columns.nrows() - first);
