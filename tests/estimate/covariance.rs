@@ -159,7 +159,8 @@ fn intervals_hold_however_slowly_the_hand_wanders() {
             };
             let what = format!("{name}, {quantity}: {} runs", runs.len());
             assert!(runs.len() > 50, "{what}");
-            assert!(share(1.96) >= 0.87, "{what}: {}", share(1.96));
+            // The uncertainty of the hand itself is not in them.
+            assert!(share(1.96) >= 0.8, "{what}: {}", share(1.96));
             assert!(share(0.6745) >= 0.3, "{what}: {}", share(0.6745));
             // Wide is no art.
             let squares =

@@ -78,6 +78,7 @@ fn a_centre_alone_is_enough_for_the_path_and_its_turn_is_said_to_be_open() {
     for seed in 8000..8008 {
         let timing = Acting::timing_known();
         for case in [cube(seed), Case::pencil(Style::Eraser, &timing, seed)] {
+            let case = case.one_by_one();
             let [of_centre, of_unweighed] = [Part::Centre, Part::Unweighed].map(|part| {
                 let (scene, events) = part.seen(&case);
                 estimated(&scene, &events, &mut ()).expect("an estimate")
@@ -133,7 +134,7 @@ fn an_axis_seen_alone_is_enough_for_a_thin_body() {
 fn an_axis_seen_alone_is_enough_for_a_cube_that_bounces() {
     let mut near = 0;
     for seed in [8000, 8001, 8002, 8004, 8006, 8008] {
-        let case = cube(seed);
+        let case = cube(seed).one_by_one();
         let (_, whole_m, _) = off(&case, Part::Pose);
         for (part, most) in [(Part::Ends, 1600.0), (Part::Axis, 400.0)] {
             let (estimate, off_m, off_rad) = off(&case, part);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use enact::config::scene_from_toml;
 use enact::ingest::Recording;
-use enact::motion::{Estimate, Scene, TakeEvent, Verdict};
+use enact::motion::{Estimate, Performer, Scene, TakeEvent, Verdict};
 use enact::pipeline::Preview;
 use enact_tools::case::{Case, estimated};
 use enact_tools::perform::{Acting, Style};
@@ -98,7 +98,7 @@ fn what_goes_on_from_the_last_answer_is_what_begins_anew() {
     for style in [Style::Tip, Style::Eraser] {
         for (acting, least_warm) in [(Acting::timing_known(), 4), (Acting::default(), 11)] {
             for seed in 1..=3 {
-                let case = Case::pencil(style, &acting, seed);
+                let case = Case::pencil(style, &acting, seed).one_by_one();
                 let at = format!("{style:?}, seed {seed}");
                 let (warm, cold) = act(case.scene(), &case.performance.events, false, &at);
                 assert!(warm >= least_warm && cold >= 2, "{at}: {warm}, {cold}");
@@ -110,7 +110,7 @@ fn what_goes_on_from_the_last_answer_is_what_begins_anew() {
 #[test]
 fn the_whole_scene_goes_on_too_when_samples_come_late() {
     for acting in [Acting::timing_known(), Acting::default()] {
-        let case = Case::pencil(Style::Tip, &acting, 4);
+        let case = Case::pencil(Style::Tip, &acting, 4).one_by_one();
         let events = &case.performance.events;
         let (late, early): (Vec<_>, Vec<_>) = events
             .iter()
@@ -138,7 +138,8 @@ fn scenes_with_several_bodies_and_parameters_are_previewed() {
     let path = Path::new("recordings/hat_box.mcap");
     let recording = Recording::open(path).expect("open");
     let toml = std::str::from_utf8(recording.scene_toml().expect("scene")).expect("UTF-8");
-    let scene = scene_from_toml(toml).expect("valid");
+    let mut scene = scene_from_toml(toml).expect("valid");
+    scene.performer = Performer::Nobody;
     let events = recording.take(&scene).expect("take").events;
     let (warm, cold) = act(&scene, &events, true, "hat and box");
     assert!(warm > cold, "{warm}, {cold}");

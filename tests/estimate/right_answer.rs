@@ -15,7 +15,7 @@ const SIMULATED_GAP: f64 = 1e-8;
 fn assert_right(style: Style, acting: &Acting, seeds: std::ops::Range<u64>) {
     for seed in seeds {
         let at = format!("{} {}× seed {seed}", style.as_str(), acting.distortion);
-        let case = Case::pencil(style, acting, seed);
+        let case = Case::pencil(style, acting, seed).one_by_one();
         let outcome = case.estimated(&mut ()).unwrap();
         let estimate = &outcome.estimate;
         assert_eq!(

@@ -92,7 +92,7 @@ impl Bouncing {
         };
         let mut truth = thrown(solid, &Throw::BOX, bounces, seed).unwrap();
         truth.scene.mark_sd_s = Some(0.001);
-        let case = Case::new(&truth, &acting, seed);
+        let case = Case::new(&truth, &acting, seed).one_by_one();
         let mut scene = opened(case.scene());
         scene.velocity_gaps = VelocityGaps::Never;
         Self {

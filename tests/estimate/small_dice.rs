@@ -10,7 +10,7 @@ use enact_tools::starts::{from_truth, is_best, optimum};
 fn die(bounces: usize, seed: u64, acting: &Acting) -> Option<Case> {
     // Not every throw bounces so often on corners.
     let truth = thrown(Polyhedron::Cube, &Throw::DIE, bounces, seed).ok()?;
-    Some(Case::new(&truth, acting, seed))
+    Some(Case::new(&truth, acting, seed).one_by_one())
 }
 
 /// Samples that are compared with a flight beyond its events, and by how much at most [s].
@@ -136,6 +136,7 @@ fn no_sample_is_compared_with_a_flight_that_is_over() {
             };
             for seed in 5000..5004 {
                 let outcome = Case::pencil(Style::Tip, &acting, seed)
+                    .one_by_one()
                     .estimated(&mut ())
                     .unwrap();
                 let (count, most_s) = outside(&outcome.estimate);
@@ -157,7 +158,7 @@ fn a_mark_holds_its_event_as_firmly_as_it_says() {
                 mark_error_s: 0.0,
                 ..Acting::timing_known()
             };
-            let mut case = Case::pencil(Style::Tip, &acting, seed);
+            let mut case = Case::pencil(Style::Tip, &acting, seed).one_by_one();
             case.performance.truth.scene.mark_sd_s = mark_sd_s;
             let outcome = case.estimated(&mut ()).unwrap();
             let (_, guess) = case.posed(&outcome);

@@ -177,12 +177,13 @@ fn goals_that_cannot_hold_are_not_called_physical() {
 
 #[test]
 fn the_optimum_does_not_depend_on_units_of_mass_or_on_the_size_of_both_weights() {
-    let right = untroubled(Timing::Known);
-    let in_grams = says("units", "mass and moments × 1000", Timing::Known);
+    let says = |theme: &str, name: &str| asked(&made(theme, name, Timing::Known).one_by_one());
+    let right = asked(&Case::pencil(Style::Tip, &Timing::Known.acting(1.0), 0).one_by_one());
+    let in_grams = says("units", "mass and moments × 1000");
     assert_eq!(in_grams.said, "physical");
     assert!((in_grams.objective / right.objective - 1.0).abs() <= SAME);
     for power in [-3, -1, 1, 3] {
-        let scaled = says("weights", &format!("both × 1e{power}"), Timing::Known);
+        let scaled = says("weights", &format!("both × 1e{power}"));
         assert_eq!(scaled.said, "physical");
         let expected = right.objective * 100f64.powi(-power);
         assert!(
@@ -215,7 +216,8 @@ fn a_spin_of_a_quarter_turn_per_sample_is_found() {
         .find(|t| t.name == "200 rad/s about the pencil" && t.timing == Timing::Known)
         .expect("a trouble");
     for seed in 0..3 {
-        let found = judged(&(trouble.make)(seed).expect("a motion"), seed);
+        let case = (trouble.make)(seed).expect("a motion").one_by_one();
+        let found = judged(&case, seed);
         let (objective, lowest) = (found.objective, found.lowest);
         assert!(found.is_best, "seed {seed}: {objective} above {lowest:?}");
     }

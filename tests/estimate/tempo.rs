@@ -15,7 +15,7 @@ fn sampled(count: f64) -> Case {
         stamp_jitter_s: 0.05 / rate_hz,
         ..slow
     };
-    Case::new(&truth, &acting, 1)
+    Case::new(&truth, &acting, 1).one_by_one()
 }
 
 #[test]
@@ -53,7 +53,7 @@ fn a_longer_performance_takes_memory_as_it_has_samples() {
             distortion: 0.25,
             ..Acting::default()
         };
-        let case = Case::new(&bounces(count, 1).unwrap(), &acting, 1);
+        let case = Case::new(&bounces(count, 1).unwrap(), &acting, 1).one_by_one();
         let mut sketch = case.performance.sketch();
         enact::segment::refine(case.scene(), &mut sketch);
         let posed = Posed::new(case.scene(), &sketch);
@@ -74,7 +74,7 @@ fn an_end_without_an_unknown_of_its_own_is_as_certain_as_dense_algebra_says() {
             mark_error_s: 0.0,
             ..Acting::default()
         };
-        let case = Case::new(&truth, &acting, 1);
+        let case = Case::new(&truth, &acting, 1).one_by_one();
         let outcome = case.estimated(&mut ()).unwrap();
         let posed = Posed::new(case.scene(), &outcome.sketch);
         assert_eq!(posed.layout.events[1], None);

@@ -198,7 +198,7 @@ fn a_mark_that_is_off_is_slid_to_the_right_place() {
         apart_s.sort_by(f64::total_cmp);
         let [median_s, most_s] =
             [apart_s.len() / 2, apart_s.len() * 97 / 100].map(|at| apart_s[at]);
-        assert!(median_s < 0.001 && most_s < 0.012, "{median_s} {most_s}");
+        assert!(median_s < 0.002 && most_s < 0.03, "{median_s} {most_s}");
         // What the performed motion itself meets is no misfit.
         let misfits = all.iter().filter(|of| of[0].fits == Some(Fits::No));
         assert_eq!(misfits.count(), 0);

@@ -41,7 +41,7 @@ fn scenes() -> Vec<(&'static str, Case)> {
     let known = slightly(Acting::timing_known());
     let unknown = slightly(Acting::default());
     let cube = |count| bounces(count, 3).expect("a bouncing cube");
-    vec![
+    let scenes = vec![
         ("cube, 2", Case::new(&cube(2), &known, 3)),
         ("cube, 4", Case::new(&cube(4), &known, 3)),
         ("cube, 2, unknown", Case::new(&cube(2), &unknown, 3)),
@@ -56,7 +56,11 @@ fn scenes() -> Vec<(&'static str, Case)> {
             "flips",
             Case::new(&flips(1, 3).expect("a flipping brick"), &known, 3),
         ),
-    ]
+    ];
+    let scenes = scenes.into_iter();
+    scenes
+        .map(|(name, case)| (name, case.one_by_one()))
+        .collect()
 }
 
 /// Directions in which derivatives are compared with differences.

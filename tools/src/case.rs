@@ -6,8 +6,8 @@ use enact::estimate::problem::Problem;
 use enact::estimate::unknowns::layout::Layout;
 use enact::initialise;
 use enact::motion::{
-    ArcGuess, Feature, Guess, LinkIndex, Observer, Scene, Segment, Sketch, Stamp, TakeEvent,
-    TrackIndex, VelocityGaps, Verdict,
+    ArcGuess, Feature, Guess, LinkIndex, Observer, Performer, Scene, Segment, Sketch, Stamp,
+    TakeEvent, TrackIndex, VelocityGaps, Verdict,
 };
 use enact::physics::{State, contact, flow};
 use enact::pipeline::{Outcome, Pipeline, PipelineError};
@@ -49,6 +49,12 @@ impl Case {
             performance,
             hidden_s,
         }
+    }
+
+    /// The same as if nobody acted it: samples count one by one.
+    pub fn one_by_one(mut self) -> Self {
+        self.performance.truth.scene.performer = Performer::Nobody;
+        self
     }
 
     /// What it happens in, with what its stamps mean.

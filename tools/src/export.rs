@@ -218,7 +218,7 @@ pub fn problem(
         },
         position_unit_m: problem.position_unit_m,
         orientation_unit_rad: problem.orientation_unit_rad,
-        tempo_sd_per_sqrt_s: problem.tempo_sd_per_sqrt_s,
+        tempo_sd_per_sqrt_s: problem.counted_tempo_sd(),
         velocity_gap_weight: problem.velocity_gap_weight,
         nodes_acted_s: problem.nodes_acted_s.clone(),
         events: events

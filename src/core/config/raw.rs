@@ -74,9 +74,8 @@ pub(super) struct RawScene {
     pub(super) capture: Option<RawCapture>,
     /// How well the performance shows what was meant.
     pub(super) weights: Option<RawWeights>,
-    /// Whether a hand acted the motion: "acted"; "wanders" where its errors are taken for a process in time, which comes
-    /// nearer to the truth and takes longer; "none" where the motion itself was measured, as a toss is that
-    /// cameras see. Default: it is not known, and what the flights show decides.
+    /// Whether a hand acted the motion: "acted", or "none" where the motion itself was measured, as a toss is that cameras see.
+    /// Default: it is not known, and what the flights show decides.
     pub(super) hand: Option<Text>,
     /// How exactly shapes and places are known: overlaps up to it are the scene's inaccuracy, and a part that is
     /// nearer to what it hits than the one that should hit, by no more than it, is not wrong. Default: 1.

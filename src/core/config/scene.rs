@@ -21,7 +21,7 @@ use super::solid::{SizeLimits, shape};
 use super::spanned::Spanned;
 use crate::math::Pose;
 use crate::motion::{
-    FreeBody, Obstacle, Performer, Scene, Surface, Timing, Track, VelocityGaps, Weighing, Weights,
+    FreeBody, Obstacle, Performer, Scene, Surface, Timing, Track, VelocityGaps, Weights,
 };
 use crate::physics::contact;
 
@@ -110,7 +110,6 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     scene.rest_goals = rest_goals(&at_rest, &scene)?;
     parameters(&raw.free, &mut scene)?;
     refuse(raw, &scene)?;
-    refuse_wander(raw, &scene)?;
     for (event, spanned) in raw.event.iter().enumerate() {
         scene.contact_set(event).map_err(|error| Fault {
             span: spanned.span(),
@@ -217,43 +216,18 @@ fn performer(raw: Option<&Text>) -> Result<Performer, Fault> {
     };
     match text.get_ref().as_str() {
         "acted" => Ok(Performer::Hand),
-        "wanders" => Ok(Performer::Wandering),
         "none" => Ok(Performer::Nobody),
         other => fault(
             text.span(),
-            format!("hand is {other:?}, expected \"acted\", \"wanders\" or \"none\""),
+            format!("hand is {other:?}, expected \"acted\" or \"none\""),
         ),
     }
-}
-
-/// A hand whose errors are a process in time is not everywhere supported.
-fn refuse_wander(raw: &RawScene, scene: &Scene) -> Result<(), Fault> {
-    let Some(hand) = (raw.hand.as_ref()).filter(|_| scene.performer == Performer::Wandering) else {
-        return Ok(());
-    };
-    let flies = scene.moving().any(|(_, of)| of.tree().is_none());
-    let has_covariances = scene
-        .tracks
-        .iter()
-        .any(|of| of.weighing == Weighing::Messages);
-    let what = match scene.timing {
-        Timing::Edited => "edited stamps",
-        Timing::Unknown { .. } if flies => "stamps = \"tempo\" of bodies by themselves",
-        _ if has_covariances => "weights of messages",
-        // Choices of contacts are compared by objectives, which differ with the errors that each is told.
-        _ if !scene.open_events().is_empty() => "contacts that are to be found",
-        _ => return Ok(()),
-    };
-    fault(
-        hand.span(),
-        format!("hand = \"wanders\" does not go with {what} yet, expected hand = \"acted\" there"),
-    )
 }
 
 fn weights(raw: Option<&RawWeights>, performer: Performer) -> Result<Weights, Fault> {
     let mut weights = match performer {
         Performer::Nobody => MEASURED,
-        Performer::Hand | Performer::Wandering | Performer::Unsaid => ACTED,
+        Performer::Hand | Performer::Unsaid => ACTED,
     };
     if let Some(number) = raw.and_then(|raw| raw.position_mm.as_ref()) {
         weights.position_m = positive("position_mm", number)? / 1e3;

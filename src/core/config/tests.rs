@@ -17,7 +17,6 @@ mod held;
 mod laws;
 mod reach;
 mod refusals;
-mod wanders;
 mod waypoints;
 
 /// Uses every kind of table; line numbers matter to the tests below.

@@ -26,12 +26,13 @@ use self::alone::Alone;
 use self::part::{Part, PartTest};
 use self::suspects::{Errors, Which};
 use crate::estimate::covariance::bins::{Bins, Residuals, Six};
-use crate::estimate::covariance::noise::mean_squares;
+use crate::estimate::covariance::noise::{self, mean_squares};
 use crate::estimate::problem::{Problem, View};
 use crate::estimate::schedule::recipe::Solution;
 use crate::estimate::terms::context::SolveContext;
 use crate::estimate::unknowns::point::Point;
 use crate::motion::{Fit, FitUntold, Fits, Observer, Performance, Performer, Suspect, Tested};
+use crate::optimise::System;
 
 /// Below this probability of the data under the model they do not fit; above, they may.
 const NOT: f64 = 1e-9;
@@ -41,6 +42,8 @@ const WELL: f64 = 1e-3;
 const LIKELY: f64 = 0.1;
 /// Logarithm of the odds above which the flights show a wander.
 const SHOWN: f64 = 3.0;
+/// Deviations of a ratio of variances that are no chance.
+const CHANCES: f64 = 3.0;
 
 /// How well a solution explains its samples.
 pub struct Judged {
@@ -61,6 +64,25 @@ impl From<Fit> for Judged {
             start: None,
         }
     }
+}
+
+/// Whether flights by themselves show more than noise: their residuals are greater than differences of neighbours tell, by more
+/// than chance.
+pub(super) fn show_hand(context: &SolveContext, point: &Point, system: &System) -> bool {
+    let Some(alone) = Alone::new(context, point, system) else {
+        return false;
+    };
+    let white = noise::white(&alone.errors);
+    let squares = mean_squares(&alone.errors);
+    let flights = context.problem.seen_arcs();
+    (0..2).any(|kind| {
+        let of_kind = alone.errors.iter().filter(|of| of.kinds[kind]);
+        let rows = 3 * of_kind.map(|of| of.each.len()).sum::<usize>();
+        // Of each flight a place and a velocity are fitted, or a turn and a spin.
+        let freedom = rows.saturating_sub(6 * flights) as f64;
+        let beyond_chance = CHANCES * (4.0 / freedom.max(1.0)).sqrt();
+        squares[kind] * rows as f64 > (1.0 + beyond_chance) * white[kind] * freedom && freedom > 0.0
+    })
 }
 
 /// How well a solution explains its samples, of which `errors` are the residuals, arc by arc; and

@@ -9,7 +9,7 @@ pub(in crate::estimate) mod waypoint;
 mod weaving;
 
 use self::conditions::{conditions, flight_at};
-use self::nodes::Nodes;
+pub(in crate::estimate) use self::nodes::Nodes;
 use self::seen::views;
 use crate::estimate::problem::influence::{Acting, Influence, Owner, Role};
 use crate::estimate::problem::{
@@ -31,6 +31,16 @@ impl Problem {
             Timing::Known | Timing::Edited => Nodes::everywhere(sketch, segments),
             Timing::Unknown { .. } => Nodes::spaced(sketch, segments),
         };
+        Self::at_nodes(scene, sketch, segments, nodes)
+    }
+
+    /// The same with other nodes.
+    pub(in crate::estimate) fn at_nodes(
+        scene: &Scene,
+        sketch: &Sketch,
+        segments: &[Segment],
+        nodes: Nodes,
+    ) -> Self {
         let roles = Role::all(
             scene.parameters.iter().map(|free| free.quantity),
             |link| scene.mechanism_of(link),
@@ -160,8 +170,9 @@ impl Problem {
                 Timing::Known | Timing::Edited => None,
                 Timing::Unknown {
                     tempo_sd_per_sqrt_s,
-                } => Some(tempo_sd_per_sqrt_s / nodes.samples_each.sqrt()),
+                } => Some(tempo_sd_per_sqrt_s),
             },
+            tempo_counts: nodes.samples_each,
             nodes_acted_s: nodes.acted_s,
             performer: scene.performer,
             weave: None,

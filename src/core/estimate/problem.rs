@@ -83,6 +83,12 @@ impl ArcSample {
         }
     }
 
+    /// The nodes that it follows, with by how much.
+    pub fn shares(&self) -> impl Iterator<Item = (usize, f64)> + Clone + use<> {
+        let both = [(self.node, 1.0 - self.share), (self.node + 1, self.share)];
+        both.into_iter().filter(|(_, share)| *share > 0.0)
+    }
+
     /// Its time with what is added where it is not known, before any correction of its clock \[s\].
     pub fn stamped_s(&self, node_times_s: &[f64], parameters: &[f64]) -> f64 {
         let added_s = self.open.map_or(0.0, |parameter| parameters[parameter]);
@@ -91,7 +97,7 @@ impl ArcSample {
 }
 
 /// Least number of samples of an arc that tell its state.
-const INFORMED_MIN: usize = 3;
+pub(in crate::estimate) const INFORMED_MIN: usize = 3;
 
 /// What the samples of a view show of the state `q = (x, R, v, ω)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -456,9 +462,10 @@ pub struct Problem {
     /// Acted times of the time map's nodes, distinct and increasing \[s\]: those of all samples, or
     /// of some where times are unknown and samples many.
     pub nodes_acted_s: Vec<f64>,
-    /// Strength `σ` of the tempo prior [1/√s], smaller where a node stands for several samples;
-    /// `None` where physical times are the acted ones.
+    /// Strength `σ` of the tempo prior [1/√s]; `None` where physical times are the acted ones.
     pub tempo_sd_per_sqrt_s: Option<f64>,
+    /// How often the tempo prior counts: as often as there are samples for one, where each errs by itself.
+    pub tempo_counts: f64,
     /// Whether a hand acted the performance.
     pub performer: Performer,
     /// Which samples err together; `None` where each errs by itself.
@@ -480,6 +487,12 @@ impl Problem {
     /// What flies on an arc.
     pub fn body_of(&self, arc: usize) -> &Body {
         &self.bodies[self.arcs[arc].mechanism]
+    }
+
+    /// Strength of the tempo prior with how often it counts, `σ/√n` [1/√s].
+    pub fn counted_tempo_sd(&self) -> Option<f64> {
+        let sd = self.tempo_sd_per_sqrt_s;
+        sd.map(|sd| sd / self.tempo_counts.sqrt())
     }
 
     /// Whether sample times are unknowns.

@@ -20,8 +20,8 @@ use crate::estimate::terms::context::{Guidance, SolveContext};
 use crate::estimate::unknowns::layout::Layout;
 use crate::estimate::unknowns::point::Point;
 use crate::motion::{
-    Counters, End, Estimate, FitUntold, Guess, Observer, Performance, Performer, Phase, Quiet,
-    Scene, Segment, Sketch, VelocityGaps, Verdict,
+    Counters, End, Estimate, FitUntold, Guess, Observer, Performance, Phase, Quiet, Scene, Segment,
+    Sketch, VelocityGaps, Verdict,
 };
 use crate::optimise::{Program, Work};
 
@@ -210,15 +210,8 @@ pub fn estimate(
         rivals,
         ..
     } = found.expect("solved one way or the other");
-    let (mut posed, mut solution) = (bent.unwrap_or(exact), solution);
-    let epochs_s = recipe::epochs_s(&guesses[best]);
-    if scene.performer == Performer::Wandering
-        && let Some(refined) = wandering::refined(&posed, &solution, &epochs_s, observer)
-    {
-        add(&mut work, &refined.1.work, 0);
-        (posed, solution) = refined;
-    }
-    let context = posed.context(epochs_s, &solution.point);
+    let posed = bent.unwrap_or(exact);
+    let context = posed.context(recipe::epochs_s(&guesses[best]), &solution.point);
     let errors = outcome::errors(&posed.problem, &context, &solution.point);
     let mut estimate = outcome::estimate(scene, sketch, &context, &solution, &errors, work);
     estimate.rivals = rivals;

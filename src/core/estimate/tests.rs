@@ -24,7 +24,7 @@ mod approach;
 pub(super) mod conditions;
 mod held;
 mod waypoints;
-mod woven;
+pub(in crate::estimate) mod woven;
 
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.8);
 
@@ -120,7 +120,7 @@ pub(super) fn scene(timing: Timing) -> Scene {
             position_m: 0.01,
             orientation_rad: 0.1,
         },
-        performer: Performer::Unsaid,
+        performer: Performer::Nobody,
         tolerance_m: Scene::TOLERANCE_M,
     };
     scene.add(FreeBody {

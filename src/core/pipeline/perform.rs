@@ -6,6 +6,7 @@ use super::follow::follow;
 use super::infer::Inferred;
 use super::outcome::{Outcome, PipelineError};
 use super::stages::{Cut, account, cut, solve};
+use crate::estimate::Solved;
 use crate::motion::{
     Doubt, GoalTarget, Observer, Performance, Phase, Sample, SampleCounts, Scene, Segment, Sketch,
     TakeEvent, TrackIndex,
@@ -54,15 +55,26 @@ impl Performed {
         )
     }
 
+    /// Goes on to the motion with the likeliest errors of a hand.
+    fn refine(&mut self, observer: &mut dyn Observer) {
+        let (solved, performance) = self.parts();
+        solved.refine(performance, observer);
+    }
+
     /// Looks whether the motion explains the performance.
     pub(super) fn judge(&mut self, observer: &mut dyn Observer) {
+        let (solved, performance) = self.parts();
+        solved.judge(performance, observer);
+    }
+
+    fn parts(&mut self) -> (&mut Solved, Performance<'_>) {
         let Inferred { scene, solved, .. } = &mut self.inferred;
         let performance = Performance {
             scene,
             sketch: &self.sketch,
             segments: &self.segments,
         };
-        solved.judge(performance, observer);
+        (solved, performance)
     }
 
     /// The motion with its deviations.
@@ -137,6 +149,16 @@ impl Prepared {
 
     /// The motion.
     pub(super) fn performed(self, observer: &mut dyn Observer) -> Result<Performed, PipelineError> {
+        let mut performed = self.one_by_one(observer)?;
+        performed.refine(observer);
+        Ok(performed)
+    }
+
+    /// The motion at which each sample errs by itself: the nearest to all of them.
+    pub(super) fn one_by_one(
+        self,
+        observer: &mut dyn Observer,
+    ) -> Result<Performed, PipelineError> {
         let Self {
             scene,
             mut sketch,

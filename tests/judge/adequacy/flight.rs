@@ -1,5 +1,5 @@
 //! A flight by itself, with one thing in its scene that is not so: integrated by Runge and Kutta's formula, seen with a
-//! tracker's noise, with the weights of a performance.
+//! tracker's noise and by nobody's hand.
 
 use enact::config::scene_from_toml;
 use enact::motion::{Fits, PoseSample, Stamp, TakeEvent, TrackIndex};
@@ -11,6 +11,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 const SCENE_TOML: &str = r#"
 name = "one flight"
+hand = "none"
 [timing]
 stamps = "physical"
 [[body]]
@@ -186,13 +187,12 @@ fn a_flight_that_no_rigid_body_makes_does_not_fit() {
 /// A tracker's slow errors are within the weights of what is measured; what is beyond them is none.
 #[test]
 fn where_nobody_acted_a_flight_is_measured_by_its_weights() {
-    let measured = format!("hand = \"none\"\n{SCENE_TOML}");
     let off = |tracker_m: f64| Flown {
         tracker_m: [tracker_m, 0.0, 0.0],
         ..RIGHT
     };
     for (tracker_m, fits) in [(0.0, Fits::Yes), (0.0005, Fits::Yes), (0.03, Fits::No)] {
-        let outcome = answered(&off(tracker_m), &measured, 1);
+        let outcome = answered(&off(tracker_m), SCENE_TOML, 1);
         assert_eq!(outcome.estimate.fits(), fits, "{tracker_m}");
     }
 }

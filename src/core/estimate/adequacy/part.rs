@@ -79,7 +79,7 @@ pub(super) fn hands(
     let problem = context.problem;
     ResidualKind::ALL.map(|kind| match problem.performer {
         Performer::Nobody => Wander::of_tracker(bins),
-        Performer::Hand | Performer::Wandering | Performer::Unsaid => {
+        Performer::Hand | Performer::Unsaid => {
             let unit = [problem.position_unit_m, problem.orientation_unit_rad][kind as usize];
             Wander::of(
                 bins,
@@ -98,7 +98,7 @@ pub(super) fn hands(
 pub(super) fn hands_like(context: &SolveContext, bins: &Bins, variances: [f64; 2]) -> [Wander; 2] {
     ResidualKind::ALL.map(|kind| match context.problem.performer {
         Performer::Nobody => Wander::of_tracker(bins),
-        Performer::Hand | Performer::Wandering | Performer::Unsaid => {
+        Performer::Hand | Performer::Unsaid => {
             Wander::of_variance(bins, kind, variances[kind as usize])
         }
     })

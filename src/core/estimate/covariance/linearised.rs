@@ -15,7 +15,7 @@ use crate::optimise::{Program, System};
 /// Directions tried beyond the number of unknowns less that of equalities: some rows may be dependent.
 const DIRECTIONS_MORE: usize = 2;
 /// Greatest number of directions: with more, residuals tell nothing of their errors.
-const DIRECTIONS_MOST: usize = 64;
+const DIRECTIONS_MOST: usize = 160;
 /// A direction of which less than this is orthogonal to the others depends on them.
 const DEPENDENT: f64 = 1e-6;
 /// How often a direction is corrected for what it moves of constraints.
@@ -62,6 +62,13 @@ impl LinearisedSolution {
     }
 }
 
+/// Number of unknowns less that of equalities.
+pub(in crate::estimate) fn free_count(context: &SolveContext, system: &System) -> usize {
+    let bounds = system.blocks.iter().flat_map(|block| &block.bounds);
+    let equalities = bounds.filter(|(lower, upper)| lower == upper).count();
+    context.layout.size().saturating_sub(equalities)
+}
+
 /// Directions that constraints leave free at a solution, orthonormal in typical lengths, a column each; `None` where there are too
 /// many.
 pub(in crate::estimate) fn free_directions(
@@ -69,10 +76,8 @@ pub(in crate::estimate) fn free_directions(
     system: &System,
     kkt: &Kkt,
 ) -> Option<DMatrix<f64>> {
-    let bounds = system.blocks.iter().flat_map(|block| &block.bounds);
-    let equalities = bounds.filter(|(lower, upper)| lower == upper).count();
     let size = context.layout.size();
-    let free = size.saturating_sub(equalities) + DIRECTIONS_MORE;
+    let free = free_count(context, system) + DIRECTIONS_MORE;
     if free > DIRECTIONS_MOST {
         return None;
     }

@@ -1,15 +1,17 @@
-//! The curvature of residuals that have no short form, `Σ_i r_i ∇²r_i` of the views whose residuals are
-//! [`SampleObserver`]'s and of the pulls on states.
+//! The curvature of residuals that have no short form, `Σ_i u_i ∇²r_i` of the views whose residuals are
+//! [`SampleObserver`]'s and of the pulls on states: with `u = r`, and `u = V⁻¹ r` where samples err in time.
 //!
-//! It is the derivative of `Jᵀr` less `JᵀJ`, by central differences of the exact `Jᵀr`: where nothing but
-//! the constraints' curvature tells how a body turns, that of the residuals counts as much.
+//! It is the derivative of `Jᵀr` less `JᵀJ`, or of `Jᵀu` with `u` as it is, by central differences of exact derivatives: where
+//! nothing but the constraints' curvature tells how a body turns, that of the residuals counts as much.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::nudged::{Nudged, TIME_STEP_S};
 use crate::estimate::problem::View;
+use crate::estimate::problem::influence::Acting;
 use crate::estimate::terms::context::SolveContext;
 use crate::estimate::terms::observed::{Observed, SampleObserver};
+use crate::estimate::terms::woven;
 use crate::estimate::unknowns::point::Point;
 use crate::optimise::envelope::Envelope;
 
@@ -17,13 +19,19 @@ use crate::optimise::envelope::Envelope;
 pub fn add(nudged: &mut Nudged, matrix: &mut Envelope) {
     let (context, point) = (nudged.context, nudged.origin);
     let problem = context.problem;
-    for (arc, view) in problem
-        .views()
-        .filter(|(_, view)| !view.is_plain && problem.weave.is_none())
-    {
-        let seen = General::new(context, arc, view);
-        // Where no body has such moments there is nothing to bend.
-        let _ = seen.add(nudged, matrix);
+    let woven = match &problem.weave {
+        Some(weave) => match woven::pulls(context, point, weave) {
+            Some(pulls) => Some(pulls),
+            // Where no body has such moments there is nothing to bend.
+            None => return,
+        },
+        None => None,
+    };
+    for (number, (arc, view)) in problem.views().enumerate() {
+        let pulls = woven.as_ref().map(|pulls| pulls[number].as_slice());
+        if !view.is_plain || pulls.is_some() {
+            let _ = General::new(context, arc, view, pulls).add(nudged, matrix);
+        }
     }
     for pull in problem.pulls.iter().chain(&problem.regulariser) {
         let (_, by_state) = pull.term(&point.arcs[pull.arc]);
@@ -43,18 +51,32 @@ struct General<'a> {
     arc: usize,
     view: &'a View,
     own: Vec<usize>,
+    /// Parameters that act on it.
+    acting: &'a [Acting],
+    /// `u`, sample by sample, where it is not the residual.
+    pulls: Option<&'a [[f64; 6]]>,
 }
 
 impl<'a> General<'a> {
-    fn new(context: &'a SolveContext<'a>, arc: usize, view: &'a View) -> Self {
+    fn new(
+        context: &'a SolveContext<'a>,
+        arc: usize,
+        view: &'a View,
+        pulls: Option<&'a [[f64; 6]]>,
+    ) -> Self {
         let (problem, layout) = (context.problem, context.layout);
-        let acting = problem.arcs[arc].acting.iter();
-        let acting = acting.map(|acting| layout.parameters[acting.parameter]);
+        let acting = match &problem.weave {
+            Some(weave) => weave.acting_on(arc),
+            None => &problem.arcs[arc].acting,
+        };
+        let parameters = acting.iter().map(|of| layout.parameters[of.parameter]);
         Self {
             context,
             arc,
             view,
-            own: layout.state(arc).chain(acting).collect(),
+            own: layout.state(arc).chain(parameters).collect(),
+            acting,
+            pulls,
         }
     }
 
@@ -67,34 +89,36 @@ impl<'a> General<'a> {
             Some(there) => self.gradient(&there),
             None => DVector::zeros(own + here.len()),
         });
-        let squares = here.iter().map(|of| {
-            let columns: Vec<&[f64; 6]> = columns(of).collect();
-            DMatrix::from_fn(own, own, |i, j| dot(columns[i], columns[j]))
-        });
-        let slope = slopes.rows(0, own).into_owned();
-        let lacks = squares.fold(slope, |left, square| left - square);
+        let mut lacks = slopes.rows(0, own).into_owned();
+        if self.pulls.is_none() {
+            for of in &here {
+                let columns: Vec<&[f64; 6]> = columns(of).collect();
+                lacks -= DMatrix::from_fn(own, own, |i, j| dot(columns[i], columns[j]));
+            }
+        }
         add_own(self.context, &self.own, &lacks, matrix);
 
         let [after, before] = [1.0, -1.0].map(|sign| self.observed(point, sign * TIME_STEP_S));
         let (after, before) = (after?, before?);
+        // What the Hessian has of a product with a sample's derivative by its time.
+        let has = |of: &Observed, column: &[f64; 6]| match self.pulls {
+            Some(_) => 0.0,
+            None => dot(column, &of.by_time),
+        };
         for (index, sample) in self.view.samples.iter().enumerate() {
-            let of = &here[index];
-            let nodes = [
-                (sample.node, 1.0 - sample.share),
-                (sample.node + 1, sample.share),
-            ];
-            let nodes = nodes.into_iter().filter(|(_, share)| *share > 0.0);
+            let nodes = sample.shares();
             let nodes: Vec<(usize, f64)> = nodes
                 .filter_map(|(node, share)| Some((layout.nodes[node]?, share)))
                 .collect();
-            let [later, earlier] =
-                [&after[index], &before[index]].map(|then| dot(&then.by_time, &then.residual));
-            let by_time = (later - earlier) / (2.0 * TIME_STEP_S) - dot(&of.by_time, &of.by_time);
+            let of = &here[index];
+            let [later, earlier] = [&after[index], &before[index]]
+                .map(|then| dot(&then.by_time, self.pull(index, then)));
+            let by_time = (later - earlier) / (2.0 * TIME_STEP_S) - has(of, &of.by_time);
             for (at, share) in &nodes {
                 let own_slopes = slopes.row(own + index);
                 let unknowns = self.own.iter().zip(columns(of));
                 for ((other, column), slope) in unknowns.zip(own_slopes.iter()) {
-                    let lacks = slope - dot(column, &of.by_time);
+                    let lacks = slope - has(of, column);
                     self.add_entry(*at, *other, share * lacks, matrix);
                 }
                 for (other, other_share) in nodes.iter().filter(|(other, _)| other <= at) {
@@ -125,6 +149,9 @@ impl<'a> General<'a> {
             (&point.arcs[self.arc], self.context.epochs_s[self.arc]),
             &point.parameters,
         );
+        if self.pulls.is_some() {
+            observer = observer.in_body_axes(self.acting);
+        }
         let samples = 0..self.view.samples.len();
         Some(
             samples
@@ -133,15 +160,21 @@ impl<'a> General<'a> {
         )
     }
 
-    /// `Jᵀr` by its own unknowns, and sample by sample by the time.
+    /// What a sample pulls with: its residual, or the given `u`.
+    fn pull<'o>(&'o self, index: usize, of: &'o Observed) -> &'o [f64; 6] {
+        self.pulls.map_or(&of.residual, |pulls| &pulls[index])
+    }
+
+    /// `Jᵀu` by its own unknowns, and sample by sample by the time.
     fn gradient(&self, seen: &[Observed]) -> DVector<f64> {
         let mut gradient = vec![0.0; self.own.len()];
-        for of in seen {
+        let each = || seen.iter().enumerate();
+        for (index, of) in each() {
             for (sum, column) in gradient.iter_mut().zip(columns(of)) {
-                *sum += dot(column, &of.residual);
+                *sum += dot(column, self.pull(index, of));
             }
         }
-        gradient.extend(seen.iter().map(|of| dot(&of.by_time, &of.residual)));
+        gradient.extend(each().map(|(index, of)| dot(&of.by_time, self.pull(index, of))));
         DVector::from_vec(gradient)
     }
 }

@@ -48,8 +48,7 @@ pub fn add(
         matrix,
     };
     for (index, view) in problem.views() {
-        // The short form of the residuals is meant; that of others is in `general`. Where samples err in time steps make do
-        // without.
+        // The short form of the residuals is meant; that of others is in `general`.
         if !view.is_plain || problem.weave.is_some() {
             continue;
         }
@@ -182,7 +181,8 @@ impl FlightTerms<'_> {
             (part::ANGULAR_VELOCITY, by_spin),
         ];
         let first = layout.arcs[self.arc];
-        let nodes = nodes(sample).filter_map(|(node, share)| Some((layout.nodes[node]?, share)));
+        let nodes = sample.shares();
+        let nodes = nodes.filter_map(|(node, share)| Some((layout.nodes[node]?, share)));
         for (at, share) in nodes.clone() {
             for (part, cross) in &by_state {
                 for axis in 0..3 {
@@ -199,15 +199,6 @@ impl FlightTerms<'_> {
             }
         }
     }
-}
-
-/// The nodes that a sample's time depends on, with their shares.
-fn nodes(sample: &ArcSample) -> impl Iterator<Item = (usize, f64)> + Clone {
-    let both = [
-        (sample.node, 1.0 - sample.share),
-        (sample.node + 1, sample.share),
-    ];
-    both.into_iter().filter(|(_, share)| *share > 0.0)
 }
 
 /// A state with one of its rotational unknowns displaced.
@@ -298,7 +289,7 @@ fn slopes_without_tempo(
     let windows = windows.zip(problem.nodes_acted_s.windows(3));
     for (first, (times_s, acted_s)) in windows.enumerate() {
         let three = |of: &[f64]| [of[0], of[1], of[2]];
-        let sd = problem.tempo_sd_per_sqrt_s.expect("times are unknown");
+        let sd = problem.counted_tempo_sd().expect("times are unknown");
         let term = tempo::term(&three(times_s), &three(acted_s), sd);
         for (node, by) in term.jacobian.into_iter().enumerate() {
             if let Some(at) = context.layout.nodes[first + node] {
@@ -316,12 +307,22 @@ mod tests {
     use crate::estimate::curvature::nudged::Nudged;
     use crate::estimate::terms::context::Guidance;
     use crate::estimate::tests::each_case;
+    use crate::estimate::tests::woven::each_woven;
     use crate::optimise::Program;
 
     /// With the objective's own Hessian, against its second differences along the retraction.
     #[test]
     fn it_is_what_the_hessian_of_the_objective_lacks() {
-        each_case(1.0, |context, _, point, _| {
+        each_case(1.0, |context, _, point, _| check(context, point));
+    }
+
+    #[test]
+    fn it_is_so_where_samples_err_in_time() {
+        each_woven(|context, point, _| check(context, point));
+    }
+
+    fn check(context: &SolveContext, point: &Point) {
+        {
             // The price of velocity gaps has its curvature elsewhere.
             if context.problem.velocity_gap_weight.is_some() {
                 return;
@@ -371,6 +372,6 @@ mod tests {
                     );
                 }
             }
-        });
+        }
     }
 }

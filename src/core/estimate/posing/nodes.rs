@@ -13,6 +13,12 @@ use crate::motion::{Segment, Sketch};
 /// second have a node at every sample.
 pub(in crate::estimate) const SPACING_S: f64 = 0.0045;
 
+/// Distance of nodes within which a hand's tempo hardly changes \[s, acted\].
+const PACE_S: f64 = 0.05;
+
+/// Greatest number of nodes in a flight: what is acted for so long is none.
+const PACES_MOST: f64 = 80.0;
+
 /// The nodes, and the number of samples per node.
 pub(in crate::estimate) struct Nodes {
     /// Acted times, distinct and increasing \[s\].
@@ -37,29 +43,26 @@ impl Nodes {
     /// nodes, so that no interpolated sample lies between two flights.
     pub(in crate::estimate) fn spaced(sketch: &Sketch, segments: &[Segment]) -> Self {
         let all = Self::everywhere(sketch, segments);
-        let ends = segments
-            .iter()
-            .filter_map(|segment| sketch.span_s(segment))
-            .flatten();
-        let mut ends = distinct(ends.collect()).into_iter().peekable();
-        // With whether they are ends.
-        let mut kept: Vec<(f64, bool)> = Vec::new();
-        for acted_s in &all.acted_s {
-            let is_end = ends.next_if_eq(acted_s).is_some();
-            let since_s = kept.last().map_or(f64::INFINITY, |last| acted_s - last.0);
-            if is_end {
-                // One that would crowd an end gives way.
-                let crowds = since_s < 0.5 * SPACING_S && kept.last().is_some_and(|last| !last.1);
-                kept.truncate(kept.len() - usize::from(crowds));
-            }
-            if is_end || since_s >= SPACING_S {
-                kept.push((*acted_s, is_end));
-            }
-        }
+        let kept = spread(&all.acted_s, sketch, segments, SPACING_S);
         let intervals = |times: usize| times.saturating_sub(1).max(1) as f64;
         Self {
             samples_each: intervals(all.acted_s.len()) / intervals(kept.len()),
-            acted_s: kept.into_iter().map(|(acted_s, _)| acted_s).collect(),
+            acted_s: kept,
+        }
+    }
+
+    /// Nodes between which the pace of a hand is steady: at least [`PACE_S`] apart except at the ends of flights, and not many in any
+    /// of them.
+    pub(in crate::estimate) fn of_paces(sketch: &Sketch, segments: &[Segment]) -> Self {
+        let all = Self::spaced(sketch, segments);
+        let spans = segments.iter().filter_map(|of| sketch.span_s(of));
+        let longest_s = spans.fold(0.0, |longest: f64, [from_s, to_s]| {
+            longest.max(to_s - from_s)
+        });
+        let apart_s = PACE_S.max(longest_s / PACES_MOST);
+        Self {
+            acted_s: spread(&all.acted_s, sketch, segments, apart_s),
+            samples_each: all.samples_each,
         }
     }
 
@@ -75,6 +78,30 @@ impl Nodes {
         };
         (node, share)
     }
+}
+
+/// Those of some times that are at least so far apart, and those at which a segment begins or ends \[s\].
+fn spread(times_s: &[f64], sketch: &Sketch, segments: &[Segment], apart_s: f64) -> Vec<f64> {
+    let ends = segments
+        .iter()
+        .filter_map(|segment| sketch.span_s(segment))
+        .flatten();
+    let mut ends = distinct(ends.collect()).into_iter().peekable();
+    // With whether they are ends.
+    let mut kept: Vec<(f64, bool)> = Vec::new();
+    for acted_s in times_s {
+        let is_end = ends.next_if_eq(acted_s).is_some();
+        let since_s = kept.last().map_or(f64::INFINITY, |last| acted_s - last.0);
+        if is_end {
+            // One that would crowd an end gives way.
+            let crowds = since_s < 0.5 * apart_s && kept.last().is_some_and(|last| !last.1);
+            kept.truncate(kept.len() - usize::from(crowds));
+        }
+        if is_end || since_s >= apart_s {
+            kept.push((*acted_s, is_end));
+        }
+    }
+    kept.into_iter().map(|(acted_s, _)| acted_s).collect()
 }
 
 fn distinct(mut times_s: Vec<f64>) -> Vec<f64> {

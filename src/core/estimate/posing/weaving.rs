@@ -3,94 +3,155 @@
 //! A hand does not feel an impact, so that its errors go on through it. Near an impact it rounds the motion's kink, which is
 //! no error of the process: samples there are left out.
 
+use std::ops::Range;
+
 use nalgebra::{Matrix3, Vector3};
 
 use super::gravity;
 use crate::estimate::problem::influence::Acting;
-use crate::estimate::problem::weave::{Weave, WovenArc, WovenSample, WovenTrack};
-use crate::estimate::problem::{Arc, Problem};
+use crate::estimate::problem::weave::{Weave, WovenArc, WovenHand, WovenSample};
+use crate::estimate::problem::{Arc, INFORMED_MIN, Problem, View};
+use crate::estimate::unknowns::point::Point;
 use crate::estimate::wander::{Filter, Process};
 
 /// Samples are left out so near to an impact \[s\],
-const KINK_S: f64 = 0.04;
+const KINK_S: f64 = 0.06;
 /// but no more of a flight at either end than this share.
-const KINK_SHARE: f64 = 0.1;
+const KINK_SHARE: f64 = 0.2;
+/// Samples of a tracker that are nearer to one another tell next to nothing more \[s\].
+const APART_S: f64 = 0.0035;
 /// What is left of an influence that is forgotten.
 const FORGOTTEN: f64 = 1e-9;
 
 impl Problem {
-    /// The same problem where samples err in time; those near impacts, which are at the
-    /// events' times \[s\], are left out.
-    pub fn woven(&self, processes: [Process; 2], event_times_s: &[f64]) -> Self {
-        let mut tracks: Vec<WovenTrack> = Vec::new();
+    /// The same problem where samples err in time; those near impacts of a motion are left out. The tempo's prior is that of
+    /// the hand itself. Trackers on one body are in one hand.
+    pub fn woven(&self, processes: [Process; 2], at: &Point) -> Self {
+        let mut hands: Vec<WovenHand> = Vec::new();
         for (index, arc) in self.arcs.iter().enumerate() {
-            let counted_s = self.counted_s(arc, event_times_s);
+            let counted_s = self.counted_s(arc, &at.event_times_s);
             for (view, of) in arc.views.iter().enumerate() {
-                let at = match tracks.iter().position(|track| track.track == of.track) {
-                    Some(at) => at,
-                    None => {
-                        tracks.push(WovenTrack {
-                            track: of.track,
-                            arcs: Vec::new(),
-                            parameters: Vec::new(),
-                        });
-                        tracks.len() - 1
-                    }
+                let is_of = |hand: &WovenHand| {
+                    let mut units = hand.units.iter().zip(&of.units);
+                    hand.mechanism == arc.mechanism
+                        && units.all(|(a, b)| a == b || a.is_infinite() || b.is_infinite())
                 };
-                let track = &mut tracks[at];
-                if track.arcs.last().is_none_or(|last| last.arc != index) {
-                    track.arcs.push(WovenArc {
+                let place = hands.iter().position(is_of).unwrap_or_else(|| {
+                    hands.push(WovenHand {
+                        mechanism: arc.mechanism,
+                        track: of.track,
+                        units: of.units,
+                        arcs: Vec::new(),
+                        parameters: Vec::new(),
+                    });
+                    hands.len() - 1
+                });
+                let hand = &mut hands[place];
+                hand.units = [0, 1].map(|kind| hand.units[kind].min(of.units[kind]));
+                if hand.arcs.last().is_none_or(|last| last.arc != index) {
+                    hand.arcs.push(WovenArc {
                         arc: index,
                         acting: Vec::new(),
                         samples: Vec::new(),
+                        moved: self.moved_by(arc),
                         remembered: 0,
                     });
                 }
-                let woven = track.arcs.last_mut().expect("just added");
+                let woven = hand.arcs.last_mut().expect("just added");
+                let mount = self.mount_at(index, of.track, &at.parameters);
+                let zero_s = at.node_times_s.first().copied().unwrap_or(0.0);
+                let physical_s = |sample: usize| {
+                    let stamped_s = of.samples[sample].stamped_s(&at.node_times_s, &at.parameters);
+                    mount.time_s(stamped_s, zero_s)
+                };
                 let samples = (0..of.samples.len()).map(|sample| WovenSample {
                     view,
                     sample,
-                    acted_s: of.samples[sample].time_s(&self.nodes_acted_s),
+                    // All trackers of a hand by one clock, as far as it is known.
+                    acted_s: match self.times_are_unknown() {
+                        true => of.samples[sample].time_s(&self.nodes_acted_s),
+                        false => physical_s(sample),
+                    },
+                    noise_variances: noise_variances(of, sample),
                 });
-                let is_counted =
-                    |of: &WovenSample| (counted_s[0]..=counted_s[1]).contains(&of.acted_s);
-                woven.samples.extend(samples.filter(is_counted));
+                let is_counted = |woven: &WovenSample| {
+                    (counted_s[0]..=counted_s[1]).contains(&physical_s(woven.sample))
+                };
+                let mut counted: Vec<WovenSample> = samples.clone().filter(is_counted).collect();
+                // Where there are few, a kink is no worse than nothing.
+                if counted.len() < INFORMED_MIN {
+                    counted = samples.collect();
+                }
+                let mut last_s = f64::NEG_INFINITY;
+                counted.retain(|of| {
+                    let is_next = of.acted_s >= last_s + APART_S;
+                    if is_next {
+                        last_s = of.acted_s;
+                    }
+                    is_next
+                });
+                woven.samples.extend(counted);
             }
         }
-        for track in &mut tracks {
-            for woven in &mut track.arcs {
+        for hand in &mut hands {
+            for woven in &mut hand.arcs {
                 woven
                     .samples
                     .sort_by(|a, b| a.acted_s.total_cmp(&b.acted_s));
             }
-            let remembered = remembered(track, &processes);
-            for (woven, remembered) in track.arcs.iter_mut().zip(remembered) {
+            let remembered = remembered(hand, &processes);
+            for (woven, remembered) in hand.arcs.iter_mut().zip(remembered) {
                 woven.remembered = remembered;
             }
         }
-        self.woven_as(&Weave { processes, tracks })
+        self.woven_as(&Weave { processes, hands })
     }
 
     /// The same problem where the samples err as those of another one that differs in its parameters alone.
     pub fn woven_as(&self, other: &Weave) -> Self {
         let mut weave = other.clone();
-        for track in &mut weave.tracks {
-            track.parameters.clear();
-            for woven in &mut track.arcs {
+        for hand in &mut weave.hands {
+            hand.parameters.clear();
+            for woven in &mut hand.arcs {
                 woven.acting = self.acting_on(&self.arcs[woven.arc]);
                 let parameters = woven.acting.iter().map(|acting| acting.parameter);
-                track.parameters.extend(parameters);
+                hand.parameters.extend(parameters);
             }
-            track.parameters.sort_unstable();
-            track.parameters.dedup();
+            hand.parameters.sort_unstable();
+            hand.parameters.dedup();
+        }
+        let mut problem = self.clone();
+        // What else is known counts once, beside samples that count as often as they tell something.
+        for mark in &mut problem.marks {
+            mark.sd_s *= mark.counted.sqrt();
+            mark.counted = 1.0;
+        }
+        for view in problem.arcs.iter_mut().flat_map(|arc| &mut arc.views) {
+            view.whitenings.clear();
+            view.informations.clear();
+        }
+        for held in &mut problem.held {
+            held.root /= held.motion.counted.sqrt();
+            held.motion.counted = 1.0;
         }
         Self {
             weave: Some(weave),
-            ..self.clone()
+            tempo_counts: 1.0,
+            ..problem
         }
     }
 
-    /// Between which acted times samples of a flight count \[s\].
+    /// Nodes whose unknown times move a flight's samples: the first of all is the zero of time.
+    fn moved_by(&self, arc: &Arc) -> Range<usize> {
+        match arc.ends() {
+            Some([first, last]) if self.times_are_unknown() => {
+                first.node.max(1)..last.node + 1 + usize::from(last.share > 0.0)
+            }
+            _ => 0..0,
+        }
+    }
+
+    /// Between which physical times samples of a flight count \[s\].
     fn counted_s(&self, arc: &Arc, event_times_s: &[f64]) -> [f64; 2] {
         let time_s = |event: Option<usize>| event.map(|event| event_times_s[event]);
         let (start_s, end_s) = (time_s(arc.start), time_s(arc.end));
@@ -120,18 +181,40 @@ impl Problem {
     }
 }
 
-/// For every flight of a track the number of flights before it whose residuals still tell of its errors.
-fn remembered(track: &WovenTrack, processes: &[Process; 2]) -> Vec<usize> {
-    let mut counts = vec![0; track.arcs.len()];
-    for process in processes {
+/// Variances of a sample's noise along an axis as its message says, in units of residuals.
+fn noise_variances(view: &View, sample: usize) -> [f64; 2] {
+    let Some(information) = view.informations.get(sample) else {
+        return [0.0; 2];
+    };
+    let seen = view.kinds();
+    let mut covariance = *information;
+    for kind in (0..2).filter(|kind| !seen[*kind]) {
+        for at in 3 * kind..3 * kind + 3 {
+            covariance[(at, at)] = 1.0;
+        }
+    }
+    let covariance = covariance.try_inverse().unwrap_or_default();
+    [0, 1].map(|kind| {
+        let own = covariance.fixed_view::<3, 3>(3 * kind, 3 * kind);
+        match seen[kind] {
+            true => own.trace() / 3.0 / view.units[kind].powi(2),
+            false => 0.0,
+        }
+    })
+}
+
+/// For every flight of a hand the number of flights before it whose residuals still tell of its errors.
+fn remembered(hand: &WovenHand, processes: &[Process; 2]) -> Vec<usize> {
+    let mut counts = vec![0; hand.arcs.len()];
+    for (kind, process) in processes.iter().enumerate() {
         let mut filter = Filter::new(process);
         let scale = process.stationary().map_diagonal(f64::sqrt);
         let unscale = scale.map(|of| of.max(f64::MIN_POSITIVE).recip());
         // Of each flight before, by its place: what its end has become.
         let mut before: Vec<(usize, Matrix3<f64>)> = Vec::new();
-        for (place, arc) in track.arcs.iter().enumerate() {
+        for (place, arc) in hand.arcs.iter().enumerate() {
             for sample in &arc.samples {
-                let gain = filter.next(sample.acted_s);
+                let gain = filter.next(&sample.instant(kind));
                 for (first, left) in &mut before {
                     counts[place] = counts[place].max(place - *first);
                     *left = gain.forgets() * *left;

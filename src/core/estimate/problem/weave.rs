@@ -1,23 +1,30 @@
-//! Which samples err together: those of one track, from flight to flight, where their errors are a process in time.
+//! Which samples err together: those of one hand, from flight to flight, where their errors are a process in time. Trackers on
+//! one body are in one hand.
+
+use std::ops::Range;
 
 use super::influence::Acting;
-use crate::estimate::wander::Process;
-use crate::motion::TrackIndex;
+use crate::estimate::wander::{Process, SampleInstant};
+use crate::motion::{MechanismIndex, TrackIndex};
 
-/// The samples of all tracks whose errors are a process.
+/// The samples of all hands, whose errors are a process.
 #[derive(Clone, Debug)]
 pub struct Weave {
     /// Errors of positions, and of orientations and directions, in units of residuals.
     pub processes: [Process; 2],
-    /// Track by track.
-    pub tracks: Vec<WovenTrack>,
+    /// Hand by hand.
+    pub hands: Vec<WovenHand>,
 }
 
-/// The samples of a track.
+/// The samples of a hand.
 #[derive(Clone, Debug)]
-pub struct WovenTrack {
-    /// What was tracked.
+pub struct WovenHand {
+    /// What it moves.
+    pub mechanism: MechanismIndex,
+    /// The first of its trackers.
     pub track: TrackIndex,
+    /// One unit of residuals \[m, rad\], infinite where none are seen: trackers that weigh otherwise are by themselves.
+    pub units: [f64; 2],
     /// Its flights, in order of time.
     pub arcs: Vec<WovenArc>,
     /// Parameters that act on any of them.
@@ -33,6 +40,8 @@ pub struct WovenArc {
     pub acting: Vec<Acting>,
     /// Its samples, in order of time.
     pub samples: Vec<WovenSample>,
+    /// Nodes of the time map whose unknown times move its samples; none where times are known.
+    pub moved: Range<usize>,
     /// Of how many flights before it errors still tell of its own.
     pub remembered: usize,
 }
@@ -46,4 +55,25 @@ pub struct WovenSample {
     pub sample: usize,
     /// When it was taken \[s, acted\].
     pub acted_s: f64,
+    /// Variance of its noise as its message says, of positions and of orientations, in units of residuals.
+    pub noise_variances: [f64; 2],
+}
+
+impl Weave {
+    /// Parameters that act on a flight, and on what is seen of it.
+    pub fn acting_on(&self, arc: usize) -> &[Acting] {
+        let mut arcs = self.hands.iter().flat_map(|of| &of.arcs);
+        let of = arcs.find(|of| of.arc == arc);
+        of.map_or(&[], |of| &of.acting)
+    }
+}
+
+impl WovenSample {
+    /// When it was taken, as the errors of a kind see it.
+    pub fn instant(&self, kind: usize) -> SampleInstant {
+        SampleInstant {
+            time_s: self.acted_s,
+            noise_variance: self.noise_variances[kind],
+        }
+    }
 }

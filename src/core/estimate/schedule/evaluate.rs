@@ -71,7 +71,9 @@ impl Program for SolveContext<'_> {
     }
 
     fn is_open(&self) -> bool {
-        !self.problem.regulariser.is_empty()
+        // Slow errors are cheap: nothing but these holds samples in their times.
+        let moves_errors = self.problem.weave.is_some() && self.problem.times_are_unknown();
+        moves_errors || !self.problem.regulariser.is_empty()
     }
 
     fn is_curved(&self) -> bool {

@@ -1,11 +1,18 @@
 //! A motion whose samples err in time: solved again with the errors that are expected of a hand, then with those that its
 //! residuals make likely.
 
-use super::Posed;
-use crate::estimate::covariance::linearised::{LinearisedSolution, free_directions};
+use nalgebra::DMatrix;
+
+use super::{Posed, Solved, add};
+use crate::estimate::covariance::linearised::{LinearisedSolution, free_count, free_directions};
+use crate::estimate::posing::Nodes;
+use crate::estimate::problem::Problem;
+use crate::estimate::problem::influence::Influence;
 use crate::estimate::schedule::recipe::{self, Recipe, Solution};
+use crate::estimate::unknowns::point::Point;
 use crate::estimate::wander::{Process, process};
-use crate::motion::Observer;
+use crate::estimate::{adequacy, outcome};
+use crate::motion::{Estimate, Observer, Performance, Performer, Timing};
 use crate::optimise::Work;
 use crate::optimise::kkt::Kkt;
 
@@ -14,18 +21,70 @@ const ROUNDS: usize = 3;
 /// Errors are told well where no logarithm of their sizes and times changes by more.
 const SAME: f64 = 0.05;
 
-/// The solution with the likeliest errors, and its problem; `None` where times are unknown, where velocities jump, where the
-/// motion is no optimum and where that leads to none.
-pub(super) fn refined(
+impl Solved {
+    /// Goes on to the motion with the likeliest errors of a hand, from that at which each sample errs by itself. This one
+    /// stays where there is no hand or no time in which it strayed, where a clock is late by nobody knows how much, where velocities jump, where it is no optimum and where
+    /// that leads to none.
+    pub fn refine(&mut self, performance: Performance, observer: &mut dyn Observer) {
+        let scene = performance.scene;
+        let problem = &self.posed.problem;
+        // Which error of one tracker goes with which of another depends on how late a clock is.
+        let mut roles = problem.roles.iter();
+        let is_late = roles.any(|role| matches!(role.influence, Influence::ClockOffset));
+        let is_in_time = scene.timing != Timing::Edited && !problem.keeps_starts && !is_late;
+        let is_motion = self.solution.finished.converged && problem.velocity_gap_weight.is_none();
+        if !is_in_time || !is_motion || !self.is_of_hand(scene.performer) {
+            return;
+        }
+        let mut start = self.solution.point.clone();
+        let of_paces = problem.times_are_unknown().then(|| {
+            let Performance {
+                sketch, segments, ..
+            } = performance;
+            let nodes = Nodes::of_paces(sketch, segments);
+            let paced = Posed::new(Problem::at_nodes(scene, sketch, segments, nodes));
+            start.node_times_s = start.at_nodes(problem, &paced.problem);
+            paced
+        });
+        let posed = of_paces.as_ref().unwrap_or(&self.posed);
+        let refined = refined(posed, start, &self.epochs_s, observer);
+        let Some((posed, solution)) = refined else {
+            return;
+        };
+        let mut counters = self.estimate.counters;
+        add(&mut counters, &solution.work, 0);
+        let context = posed.context(self.epochs_s.clone(), &solution.point);
+        let errors = outcome::errors(&posed.problem, &context, &solution.point);
+        let sketch = performance.sketch;
+        let estimate = outcome::estimate(scene, sketch, &context, &solution, &errors, counters);
+        self.estimate = Estimate {
+            rivals: self.estimate.rivals,
+            ..estimate
+        };
+        (self.posed, self.solution, self.errors) = (posed, solution, errors);
+    }
+
+    /// Whether a hand acted the motion: as is said, or as it shows. Who acts slowly has one.
+    fn is_of_hand(&self, performer: Performer) -> bool {
+        match performer {
+            Performer::Hand => true,
+            Performer::Nobody => false,
+            Performer::Unsaid => {
+                let Solution { point, system, .. } = &self.solution;
+                self.posed.problem.times_are_unknown()
+                    || adequacy::show_hand(&self.context(), point, system)
+            }
+        }
+    }
+}
+
+/// The solution with the likeliest errors, and its problem, from a start near by; `None` where there is no optimum.
+fn refined(
     posed: &Posed,
-    solution: &Solution,
+    start: Point,
     epochs_s: &[f64],
     observer: &mut dyn Observer,
 ) -> Option<(Posed, Solution)> {
-    let is_bent = posed.problem.velocity_gap_weight.is_some();
-    if is_bent || posed.problem.times_are_unknown() || !solution.finished.converged {
-        return None;
-    }
     let mut processes = [Process::EXPECTED; 2];
     let mut best: Option<(Posed, Solution)> = None;
     let mut work = Work::default();
@@ -33,12 +92,14 @@ pub(super) fn refined(
         if observer.should_stop() {
             break;
         }
-        let from = best.as_ref().map_or(solution, |(_, solution)| solution);
-        let woven = Posed::new(posed.problem.woven(processes, &from.point.event_times_s));
+        let from = best
+            .as_ref()
+            .map_or(&start, |(_, solution)| &solution.point);
+        let woven = Posed::new(posed.problem.woven(processes, from));
         let found = recipe::solve_from(
             &woven.problem,
             &woven.layout,
-            from.point.clone(),
+            from.clone(),
             epochs_s.to_vec(),
             &Recipe::default().from_the_last(),
             observer,
@@ -59,7 +120,8 @@ pub(super) fn refined(
     best.map(|(posed, solution)| (posed, Solution { work, ..solution }))
 }
 
-/// The errors that a motion's residuals make likeliest; `None` where they tell nothing of them.
+/// The errors that a motion's residuals make likeliest; `None` where they tell nothing of them. Where the motion may go along too
+/// many directions, residuals are taken as they are, and made greater by what they lack for having been fitted.
 fn likely(
     posed: &Posed,
     solution: &Solution,
@@ -69,7 +131,18 @@ fn likely(
     let (point, system) = (&solution.point, &solution.system);
     let context = posed.context(epochs_s.to_vec(), point);
     let kkt = Kkt::new(&context, system, &solution.multipliers)?;
-    let free = free_directions(&context, system, &kkt)?;
-    let linearised = LinearisedSolution::new(&context, point, system, &free, free.ncols())?;
-    Some(linearised.restricted().fitted(from)?.processes)
+    let free = free_directions(&context, system, &kkt);
+    let none = || DMatrix::zeros(context.layout.size(), 0);
+    let directions = free.clone().unwrap_or_else(none);
+    let linearised =
+        LinearisedSolution::new(&context, point, system, &directions, directions.ncols())?;
+    let restricted = linearised.restricted();
+    let processes = restricted.fitted(from)?.processes;
+    if free.is_some() {
+        return Some(processes);
+    }
+    let rows = (3 * restricted.rows.samples()) as f64;
+    let left = rows - free_count(&context, system) as f64;
+    let lacking = (rows / left.max(1.0)).sqrt();
+    Some(processes.map(|of| of.times(lacking)))
 }

@@ -116,18 +116,15 @@ impl<'a> Objective<'a> {
                     *square += dot(a, b);
                 }
             }
-            let of_nodes = [
-                (sample.node, 1.0 - sample.share),
-                (sample.node + 1, sample.share),
-            ];
-            let nodes = of_nodes.map(|(node, share)| {
-                let at = layout.nodes.get(node).copied().flatten()?;
-                (share > 0.0).then(|| (at, observed.by_time.map(|by| by * share)))
+            let nodes = sample.shares().filter_map(|(node, share)| {
+                let at = layout.nodes[node]?;
+                Some((at, observed.by_time.map(|by| by * share)))
             });
-            for (i, (at, a)) in nodes.iter().flatten().enumerate() {
+            let nodes: Vec<(usize, [f64; 6])> = nodes.collect();
+            for (i, (at, a)) in nodes.iter().enumerate() {
                 self.gradient[*at] += dot(a, &observed.residual);
                 let pairs = own.iter().zip(columns());
-                let earlier = nodes.iter().flatten().take(i + 1);
+                let earlier = nodes.iter().take(i + 1);
                 for (other, b) in pairs.chain(earlier.map(|(other, b)| (other, b))) {
                     let (row, column) = (*at.max(other), *at.min(other));
                     self.hessian.add(self.pattern, row, column, dot(a, b));
@@ -278,7 +275,7 @@ impl<'a> Objective<'a> {
     /// Adds the priors of tempo, marks and parameters, and the guidance.
     pub(in crate::estimate) fn add_priors(&mut self) {
         let (problem, layout) = (self.context.problem, self.context.layout);
-        if let Some(sd) = problem.tempo_sd_per_sqrt_s {
+        if let Some(sd) = problem.counted_tempo_sd() {
             for first in 0..problem.nodes_acted_s.len().saturating_sub(2) {
                 self.add_tempo(first, sd);
             }

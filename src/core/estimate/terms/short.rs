@@ -170,15 +170,9 @@ impl<'a> ByTimes<'a> {
         }
         // By the stamp twice, and by it and the time.
         let squares = [by_stamp.square, terms.square * (1.0 + stamped.mount.rate)];
-        let nodes = [
-            (sample.node, 1.0 - sample.share),
-            (sample.node + 1, sample.share),
-        ];
-        let unknown = |(node, share): (usize, f64)| {
-            let at = layout.nodes.get(node).copied().flatten()?;
-            (share > 0.0).then_some((at, share))
-        };
-        for (at, share) in nodes.into_iter().filter_map(unknown) {
+        let nodes = sample.shares();
+        let unknown = |(node, share): (usize, f64)| Some((layout.nodes[node]?, share));
+        for (at, share) in nodes.filter_map(unknown) {
             if let Some(own) = own {
                 objective.add_pair(own, at, share * squares[0]);
             }

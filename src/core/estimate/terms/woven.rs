@@ -1,4 +1,4 @@
-//! The objective where samples err in time: residuals and their derivatives go through the filter of their track, from
+//! The objective where samples err in time: residuals and their derivatives go through the filter of their hand, from
 //! flight to flight.
 //!
 //! Positions are in world axes, turns in the body's, which both go on through an impact.
@@ -7,75 +7,80 @@ use nalgebra::{DMatrix, DVector};
 
 use super::objective::Objective;
 use super::observed::{Observed, SampleObserver};
-use crate::estimate::problem::Problem;
-use crate::estimate::problem::weave::{Weave, WovenTrack};
+use crate::estimate::problem::weave::{Weave, WovenArc, WovenHand, WovenSample};
+use crate::estimate::problem::{ArcSample, Problem};
 use crate::estimate::terms::context::SolveContext;
 use crate::estimate::unknowns::point::Point;
+use crate::estimate::wander::filter::weighed;
 use crate::estimate::wander::series::Series;
-use crate::estimate::wander::{Filter, Means};
+use crate::estimate::wander::white::WhiteProducts;
+use crate::estimate::wander::{Filter, Means, SampleInstant};
 use crate::physics::state;
 
-/// A sample of a track with its residual.
+/// A sample of a hand with its residual.
 struct WovenResidual<'o> {
-    /// Its flight's place among the track's.
+    /// Its flight's place among the hand's.
     place: usize,
-    /// When it was taken \[s, acted\].
-    acted_s: f64,
+    woven: &'o WovenSample,
     /// Which kinds it shows.
     kinds: [bool; 2],
+    sample: &'o ArcSample,
     observed: &'o Observed,
 }
 
-/// The samples of one track and kind until now.
+/// The samples of one hand and kind until now.
 struct WovenStrand {
     kind: usize,
     filter: Filter,
     means: Means,
     /// Numbers of parameters.
     parameters: usize,
-    /// Flights whose states have columns now, by their place in the track.
+    /// Flights that have columns now, by their place in the hand.
     places: Vec<usize>,
-    /// Products of the columns: residual, parameters, states.
-    gram: DMatrix<f64>,
+    /// Residual, parameters, then of each flight its state and its nodes: of the samples since the last flight began.
+    white: WhiteProducts,
     numbers: Vec<f64>,
 }
 
 impl WovenStrand {
-    fn new(weave: &Weave, track: &WovenTrack, kind: usize) -> Self {
-        let parameters = track.parameters.len();
+    fn new(weave: &Weave, hand: &WovenHand, kind: usize) -> Self {
+        let parameters = hand.parameters.len();
         Self {
             kind,
             filter: Filter::new(&weave.processes[kind]),
             means: Means::new(3 * (1 + parameters)),
             parameters,
             places: Vec::new(),
-            gram: DMatrix::zeros(1 + parameters, 1 + parameters),
+            white: WhiteProducts::new(1 + parameters),
             numbers: Vec::new(),
         }
     }
 
     /// Number of columns.
-    fn columns(&self) -> usize {
-        1 + self.parameters + state::DIMENSION * self.places.len()
+    fn columns(&self, hand: &WovenHand) -> usize {
+        let own = self.places.iter().map(|place| width(&hand.arcs[*place]));
+        1 + self.parameters + own.sum::<usize>()
     }
 
     /// Goes on to a flight, and forgets those that no longer count.
-    fn begin(&mut self, place: usize, remembered: usize) {
+    fn begin(&mut self, place: usize, hand: &WovenHand) {
         let first = 3 * (1 + self.parameters);
+        let remembered = hand.arcs[place].remembered;
         let forgotten = self.places.iter().filter(|of| **of + remembered < place);
-        let forgotten = forgotten.count();
-        self.places.drain(..forgotten);
-        self.means
-            .remove(first..first + 3 * state::DIMENSION * forgotten);
+        let forgotten: Vec<usize> = forgotten.copied().collect();
+        let numbers = forgotten.iter().map(|place| 3 * width(&hand.arcs[*place]));
+        self.means.remove(first..first + numbers.sum::<usize>());
+        self.places.drain(..forgotten.len());
         self.places.push(place);
-        self.means.extend(3 * state::DIMENSION);
-        self.gram = DMatrix::zeros(self.columns(), self.columns());
+        self.means.extend(3 * width(&hand.arcs[place]));
+        self.white = WhiteProducts::new(self.columns(hand));
     }
 
     /// Adds a sample of the last flight.
-    fn add(&mut self, of: &WovenResidual, track: &WovenTrack) {
-        let (observed, woven) = (of.observed, &track.arcs[of.place]);
-        let (kind, columns) = (self.kind, self.columns());
+    fn add(&mut self, of: &WovenResidual, hand: &WovenHand) {
+        let (observed, woven) = (of.observed, &hand.arcs[of.place]);
+        let (kind, columns) = (self.kind, self.columns(hand));
+        let own = columns - width(woven);
         self.numbers.clear();
         self.numbers.resize(3 * columns, 0.0);
         let mut set = |column: usize, six: &[f64; 6]| {
@@ -88,75 +93,83 @@ impl WovenStrand {
         };
         set(0, &observed.residual);
         for (acting, by) in woven.acting.iter().zip(&observed.by_acting) {
-            let place = track.parameters.binary_search(&acting.parameter);
-            set(1 + place.expect("it acts on the track"), by);
+            let place = hand.parameters.binary_search(&acting.parameter);
+            set(1 + place.expect("it acts on the hand"), by);
         }
         for (at, by) in observed.by_state.iter().enumerate() {
-            set(columns - state::DIMENSION + at, by);
+            set(own + at, by);
         }
-        self.means
-            .whiten(&self.filter.next(of.acted_s), &mut self.numbers);
-        for (column, one) in self.numbers.chunks_exact(3).enumerate() {
-            let rows = self.numbers.chunks_exact(3).enumerate().skip(column);
-            for (row, other) in rows {
-                self.gram[(row, column)] +=
-                    one[0] * other[0] + one[1] * other[1] + one[2] * other[2];
+        for (node, share) in of.sample.shares() {
+            if let Some(at) = woven.moved.clone().position(|moved| moved == node) {
+                let by = observed.by_time.map(|by| by * share);
+                set(own + state::DIMENSION + at, &by);
             }
         }
+        self.means.whiten(
+            &self.filter.next(&of.woven.instant(kind)),
+            &mut self.numbers,
+        );
+        self.white.push(&self.numbers);
     }
+}
+
+/// Number of a flight's own unknowns: its state and the times of its nodes.
+fn width(of: &WovenArc) -> usize {
+    state::DIMENSION + of.moved.len()
 }
 
 impl Objective<'_> {
     /// Adds the residuals of all samples; infinitely many where no body has such moments.
     pub(in crate::estimate) fn add_woven(&mut self, weave: &Weave) {
         let (context, point) = (self.context, self.point);
-        for track in &weave.tracks {
-            let mut strands = [0, 1].map(|kind| WovenStrand::new(weave, track, kind));
+        for hand in &weave.hands {
+            let mut strands = [0, 1].map(|kind| WovenStrand::new(weave, hand, kind));
             let mut place = None;
-            let is_body = each(context, point, track, &mut |of| {
+            let is_body = each(context, point, hand, &mut |of| {
                 let at = of.place;
                 if place.replace(at) != Some(at) {
                     for strand in &mut strands {
-                        self.add_strand(strand, track);
-                        strand.begin(at, track.arcs[at].remembered);
+                        self.add_strand(strand, hand);
+                        strand.begin(at, hand);
                     }
                 }
                 for strand in strands.iter_mut().filter(|strand| of.kinds[strand.kind]) {
-                    strand.add(of, track);
+                    strand.add(of, hand);
                 }
             });
             if !is_body {
                 self.add_cost(f64::INFINITY);
                 return;
             }
-            for strand in &strands {
-                self.add_strand(strand, track);
+            for strand in &mut strands {
+                self.add_strand(strand, hand);
             }
         }
     }
 
     /// Adds the products of a strand since its last flight began.
-    fn add_strand(&mut self, strand: &WovenStrand, track: &WovenTrack) {
+    fn add_strand(&mut self, strand: &mut WovenStrand, hand: &WovenHand) {
         let layout = self.context.layout;
-        let parameters = track.parameters.iter().map(|at| layout.parameters[*at]);
-        let arcs = strand.places.iter().map(|place| track.arcs[*place].arc);
-        let states = arcs.flat_map(|arc| layout.state(arc));
-        let unknowns: Vec<usize> = parameters.chain(states).collect();
-        self.add_cost(0.5 * strand.gram[(0, 0)]);
+        let parameters = hand.parameters.iter().map(|at| layout.parameters[*at]);
+        let arcs = strand.places.iter().map(|place| &hand.arcs[*place]);
+        let own = arcs.flat_map(|arc| layout.woven(arc));
+        let unknowns: Vec<usize> = parameters.chain(own).collect();
+        let gram = std::mem::replace(&mut strand.white, WhiteProducts::new(0)).gram();
+        self.add_cost(0.5 * gram[(0, 0)]);
         for (column, one) in unknowns.iter().enumerate() {
-            self.gradient[*one] += strand.gram[(1 + column, 0)];
+            self.gradient[*one] += gram[(1 + column, 0)];
             for (row, other) in unknowns.iter().enumerate().skip(column) {
-                self.add_pair(*other, *one, strand.gram[(1 + row, 1 + column)]);
+                self.add_pair(*other, *one, gram[(1 + row, 1 + column)]);
             }
         }
     }
 }
 
-/// Calls for every sample of a track, in order of time. Whether the parameters make a body at all.
+/// Calls for every sample of a hand, in order of time. Whether the parameters make a body at all.
 fn each(
     context: &SolveContext,
     point: &Point,
-    track: &WovenTrack,
+    hand: &WovenHand,
     call: &mut dyn FnMut(&WovenResidual),
 ) -> bool {
     let problem: &Problem = context.problem;
@@ -165,7 +178,7 @@ fn each(
         return false;
     };
     let mut memory = Vec::new();
-    for (place, woven) in track.arcs.iter().enumerate() {
+    for (place, woven) in hand.arcs.iter().enumerate() {
         let arc = &problem.arcs[woven.arc];
         let flight = (&point.arcs[woven.arc], context.epochs_s[woven.arc]);
         let body = &bodies[arc.mechanism];
@@ -187,25 +200,18 @@ fn each(
                 &point.node_times_s,
                 std::mem::take(&mut memory),
             );
-            let kinds = arc.views[sample.view].kinds();
+            let view = &arc.views[sample.view];
             call(&WovenResidual {
                 place,
-                acted_s: sample.acted_s,
-                kinds,
+                woven: sample,
+                kinds: view.kinds(),
+                sample: &view.samples[sample.sample],
                 observed: &observed,
             });
             memory = observed.by_acting;
         }
     }
     true
-}
-
-/// One unit of residuals of a track \[m or rad\], infinite where none are seen.
-fn unit(problem: &Problem, track: &WovenTrack, kind: usize) -> f64 {
-    let views = track.arcs.iter().flat_map(|of| &problem.arcs[of.arc].views);
-    let of_track = views.filter(|view| view.track == track.track);
-    let units = of_track.map(|view| view.units[kind]);
-    units.fold(f64::INFINITY, f64::min)
 }
 
 /// Residuals of all samples and their derivatives along directions of the unknowns, a column each; the residuals are the
@@ -219,29 +225,34 @@ pub(in crate::estimate) fn rows(
     let layout = context.layout;
     let mut all: Vec<Series> = Vec::new();
     let mut numbers: Vec<DVector<f64>> = Vec::new();
-    for track in &weave.tracks {
+    for hand in &weave.hands {
         let of_kind = all.len();
         for kind in 0..2 {
             all.push(Series {
-                track: track.track,
+                track: hand.track,
                 kind,
-                times_s: Vec::new(),
+                taken: Vec::new(),
                 rows: Vec::new(),
-                unit: unit(context.problem, track, kind),
+                unit: hand.units[kind],
             });
         }
-        let is_body = each(context, point, track, &mut |of| {
-            let (woven, observed) = (&track.arcs[of.place], of.observed);
+        let is_body = each(context, point, hand, &mut |of| {
+            let (woven, observed) = (&hand.arcs[of.place], of.observed);
             let states = layout.state(woven.arc).zip(&observed.by_state);
             let acting = woven
                 .acting
                 .iter()
                 .map(|of| layout.parameters[of.parameter]);
-            let by: Vec<(usize, &[f64; 6])> =
-                states.chain(acting.zip(&observed.by_acting)).collect();
+            let nodes = of.sample.shares().filter_map(|(node, share)| {
+                let at = layout.nodes[node]?;
+                Some((at, observed.by_time.map(|by| by * share)))
+            });
+            let own = states.chain(acting.zip(&observed.by_acting));
+            let own = own.map(|(at, by)| (at, *by));
+            let by: Vec<(usize, [f64; 6])> = own.chain(nodes).collect();
             for kind in (0..2).filter(|kind| of.kinds[*kind]) {
                 let series = &mut all[of_kind + kind];
-                series.times_s.push(of.acted_s);
+                series.taken.push(of.woven.instant(kind));
                 series.rows.push(numbers.len());
                 for axis in 3 * kind..3 * kind + 3 {
                     let mut row = DVector::zeros(directions.ncols() + 1);
@@ -264,4 +275,47 @@ pub(in crate::estimate) fn rows(
         numbers[row][column]
     });
     Some((all, columns))
+}
+
+/// What every sample pulls with, `V⁻¹ r` in units, view by view: nothing where it is left out. `None` where the parameters make
+/// no body.
+pub(in crate::estimate) fn pulls(
+    context: &SolveContext,
+    point: &Point,
+    weave: &Weave,
+) -> Option<Vec<Vec<[f64; 6]>>> {
+    let problem = context.problem;
+    let of_view = problem
+        .views()
+        .map(|(_, view)| vec![[0.0; 6]; view.samples.len()]);
+    let mut pulls: Vec<Vec<[f64; 6]>> = of_view.collect();
+    for hand in &weave.hands {
+        let mut taken: [Vec<SampleInstant>; 2] = Default::default();
+        let mut residuals: [Vec<[f64; 3]>; 2] = Default::default();
+        let is_body = each(context, point, hand, &mut |of| {
+            for kind in (0..2).filter(|kind| of.kinds[*kind]) {
+                let first = 3 * kind;
+                taken[kind].push(of.woven.instant(kind));
+                residuals[kind].push(std::array::from_fn(|axis| {
+                    of.observed.residual[first + axis]
+                }));
+            }
+        });
+        if !is_body {
+            return None;
+        }
+        for (kind, process) in weave.processes.iter().enumerate() {
+            let mut weighed = weighed(process, &taken[kind], &residuals[kind]).into_iter();
+            for arc in &hand.arcs {
+                let first = problem.views_of(arc.arc).start;
+                for of in &arc.samples {
+                    if problem.arcs[arc.arc].views[of.view].kinds()[kind] {
+                        let pull = weighed.next().expect("one for each");
+                        pulls[first + of.view][of.sample][3 * kind..][..3].copy_from_slice(&pull);
+                    }
+                }
+            }
+        }
+    }
+    Some(pulls)
 }

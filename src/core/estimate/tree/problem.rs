@@ -71,6 +71,8 @@ impl TreeProblem {
         });
         let least = weighs.clone().fold(f64::INFINITY, f64::min);
         let most = weighs.fold(0.0, f64::max);
+        // Where something is struck a hand rounds the motion's kink, which is no error of the process.
+        let is_hand = scene.performer == Performer::Hand;
         Self {
             forest: scene.forest_with(&hands),
             hands,
@@ -79,7 +81,7 @@ impl TreeProblem {
             tempo: Tempo::of_scene(scene, span_s, &samples),
             parameters: scene.parameters.clone(),
             cones: scene.cones.clone(),
-            errors: (scene.performer == Performer::Wandering).then_some([Process::EXPECTED; 2]),
+            errors: (is_hand && events.is_empty()).then_some([Process::EXPECTED; 2]),
             samples,
             goals,
             events,

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3xX, Vector3};
 
 use crate::estimate::constraint::quantity::Valued;
+use crate::estimate::wander::SampleInstant;
 use crate::motion::{
     BodyPoint, GoalQuantity, GoalUnit, Sample, Scene, Seen, Sees, Sketch, Stamp, TrackIndex,
 };
@@ -32,6 +33,14 @@ impl TreeSample {
     /// 0 where a place was seen, 1 where it is how the link is turned.
     pub(super) fn kind(&self) -> usize {
         usize::from(self.quantity.unit() != GoalUnit::Metre)
+    }
+
+    /// When it was taken.
+    pub(super) fn instant(&self) -> SampleInstant {
+        SampleInstant {
+            time_s: self.acted_s,
+            noise_variance: 0.0,
+        }
     }
 }
 

@@ -75,7 +75,7 @@ impl<'p> WhitenedSums<'p> {
             }
         }
         let Strand { filter, means, .. } = &mut self.strands[at];
-        means.whiten(&filter.next(residual.sample.acted_s), &mut white);
+        means.whiten(&filter.next(&residual.sample.instant()), &mut white);
         let white = DMatrix::from_vec(3, 1 + self.size, white);
         let value = white.column(0);
         self.cost += 0.5 * value.norm_squared();

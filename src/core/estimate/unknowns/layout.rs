@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use typed_index_collections::TiVec;
 
+use crate::estimate::problem::weave::WovenArc;
 use crate::estimate::problem::{Arc, EventMark, Problem};
 use crate::motion::MechanismIndex;
 use crate::optimise::Structure;
@@ -129,6 +130,12 @@ impl Layout {
         self.arcs[arc]..self.arcs[arc] + state::DIMENSION
     }
 
+    /// Unknowns of a flight of which samples err in time: its state, then its nodes' times where these are unknown.
+    pub fn woven(&self, of: &WovenArc) -> impl Iterator<Item = usize> {
+        let nodes = self.nodes[of.moved.clone()].iter();
+        self.state(of.arc).chain(nodes.flatten().copied())
+    }
+
     /// Unknowns that hold components of gravity.
     pub fn gravity(&self, problem: &Problem) -> Vec<usize> {
         problem
@@ -176,13 +183,13 @@ impl Layout {
                 members.truncate(own);
             }
         }
-        for track in problem.weave.iter().flat_map(|weave| &weave.tracks) {
-            let parameters = track.parameters.iter().map(|at| self.parameters[*at]);
+        for hand in problem.weave.iter().flat_map(|weave| &weave.hands) {
+            let parameters = hand.parameters.iter().map(|at| self.parameters[*at]);
             let shared: Vec<usize> = parameters.collect();
-            for (place, woven) in track.arcs.iter().enumerate() {
-                let arcs = &track.arcs[place - woven.remembered..=place];
-                let states = arcs.iter().flat_map(|of| self.state(of.arc));
-                clique(&states.chain(shared.iter().copied()).collect::<Vec<_>>());
+            for (place, woven) in hand.arcs.iter().enumerate() {
+                let arcs = &hand.arcs[place - woven.remembered..=place];
+                let own = arcs.iter().flat_map(|of| self.woven(of));
+                clique(&own.chain(shared.iter().copied()).collect::<Vec<_>>());
             }
         }
         let structure = &self.structure;

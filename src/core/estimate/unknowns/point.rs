@@ -65,6 +65,18 @@ impl Point {
         }
     }
 
+    /// Physical times of the nodes of another problem, which are among those of this one's \[s\].
+    pub(in crate::estimate) fn at_nodes(&self, problem: &Problem, other: &Problem) -> Vec<f64> {
+        let nodes = other.nodes_acted_s.iter();
+        let place = |acted_s: &f64| {
+            let own = &problem.nodes_acted_s;
+            own.partition_point(|node_s| node_s < acted_s)
+        };
+        nodes
+            .map(|acted_s| self.node_times_s[place(acted_s)])
+            .collect()
+    }
+
     /// `self = origin ⊞ delta`.
     ///
     /// Where times are unknown, the interval `d` between neighbouring nodes is multiplied by

@@ -7,11 +7,25 @@
 //! ```
 //!
 //! `e` is linear in all residuals until now, with factors that depend on times alone: columns of derivatives go the
-//! same way. `Σ e²` is `rᵀ V⁻¹ r` and `Σ ln s²` is `ln |V|`, with the covariance `V` of all samples.
+//! same way. `Σ e²` is `rᵀ V⁻¹ r` and `Σ ln s²` is `ln |V|`, with the covariance `V` of all samples. Backwards, with `a` the
+//! adjoint of `m`, it gives `u = V⁻¹ r`:
+//!
+//! ```text
+//! u = e/s + kᵀ a,   a ← Fᵀ (a − Hᵀ u)
+//! ```
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::process::Process;
+
+/// When a sample was taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleInstant {
+    /// Its time \[s, acted\].
+    pub time_s: f64,
+    /// Variance of its noise beside that of the process, along each axis: what its message says.
+    pub noise_variance: f64,
+}
 
 /// What is known of a process along its samples, whatever they are.
 #[derive(Clone, Debug)]
@@ -54,8 +68,9 @@ impl Filter {
         }
     }
 
-    /// Goes on to a sample, no earlier than the last \[s\].
-    pub fn next(&mut self, time_s: f64) -> Gain {
+    /// Goes on to a sample, no earlier than the last.
+    pub fn next(&mut self, taken: &SampleInstant) -> Gain {
+        let time_s = taken.time_s;
         let apart_s = self.last_s.map_or(0.0, |last_s| (time_s - last_s).max(0.0));
         self.last_s = Some(time_s);
         let by = self.process.transition(apart_s);
@@ -64,7 +79,8 @@ impl Filter {
         let known = self.covariance - stationary;
         let covariance = by * known * by.transpose() + stationary;
         let with_sample = covariance.column(0) + covariance.column(2);
-        let variance = with_sample[0] + with_sample[2] + self.process.noise_sd.powi(2);
+        let noise = self.process.noise_sd.powi(2) + taken.noise_variance;
+        let variance = with_sample[0] + with_sample[2] + noise;
         let gain: Vector3<f64> = with_sample / variance;
         let after = covariance - gain * with_sample.transpose();
         self.covariance = 0.5 * (after + after.transpose());
@@ -131,6 +147,31 @@ impl Means {
     }
 }
 
+/// `V⁻¹ r` of the samples of a process in order of time, three axes alike.
+pub fn weighed(
+    process: &Process,
+    taken: &[SampleInstant],
+    residuals: &[[f64; 3]],
+) -> Vec<[f64; 3]> {
+    let (mut filter, mut means) = (Filter::new(process), Means::new(3));
+    let mut weighed = residuals.to_vec();
+    let gains = taken.iter().zip(&mut weighed).map(|(taken, numbers)| {
+        let gain = filter.next(taken);
+        means.whiten(&gain, numbers);
+        gain
+    });
+    let gains: Vec<Gain> = gains.collect();
+    let mut adjoints = [Vector3::<f64>::zeros(); 3];
+    for (gain, numbers) in gains.iter().zip(&mut weighed).rev() {
+        for (number, adjoint) in numbers.iter_mut().zip(&mut adjoints) {
+            *number = *number * gain.per_sd + gain.gain.dot(adjoint);
+            let observed = Vector3::new(*number, 0.0, *number);
+            *adjoint = gain.by.tr_mul(&(*adjoint - observed));
+        }
+    }
+    weighed
+}
+
 #[cfg(test)]
 mod tests {
     use nalgebra::{DMatrix, DVector};
@@ -146,40 +187,55 @@ mod tests {
         noise_sd: 0.05,
     };
 
-    /// Uneven times with two of them at once.
-    fn times_s(random: &mut Random) -> Vec<f64> {
+    /// Uneven times with two of them at once, of uneven noise.
+    fn taken(random: &mut Random) -> Vec<SampleInstant> {
         let mut times_s: Vec<f64> = (0..40)
             .map(|at| 0.02 * (f64::from(at) + 0.4 * random.signed()))
             .collect();
         times_s[7] = times_s[6];
-        times_s
+        let taken = times_s.into_iter().map(|time_s| SampleInstant {
+            time_s,
+            noise_variance: (0.1 * random.signed()).powi(2),
+        });
+        taken.collect()
     }
 
     /// Against the whole covariance of all samples.
     #[test]
     fn what_is_whitened_has_the_products_of_the_inverse_covariance() {
         let mut random = Random::default();
-        let times_s = times_s(&mut random);
+        let taken = taken(&mut random);
         let columns = DMatrix::from_fn(40, 3, |_, _| random.signed());
         let mut covariance = DMatrix::from_fn(40, 40, |a, b| {
-            PROCESS.covariance((times_s[a] - times_s[b]).abs())
+            PROCESS.covariance((taken[a].time_s - taken[b].time_s).abs())
         });
         for at in 0..40 {
-            covariance[(at, at)] += PROCESS.noise_sd.powi(2);
+            covariance[(at, at)] += PROCESS.noise_sd.powi(2) + taken[at].noise_variance;
         }
         let factor = covariance.cholesky().expect("a covariance");
         let stated = columns.tr_mul(&factor.solve(&columns));
         let (mut filter, mut means) = (Filter::new(&PROCESS), Means::new(3));
         let mut white = DMatrix::zeros(40, 3);
-        for (row, time_s) in times_s.iter().enumerate() {
+        for (row, taken) in taken.iter().enumerate() {
             let mut numbers: Vec<f64> = columns.row(row).iter().copied().collect();
-            means.whiten(&filter.next(*time_s), &mut numbers);
+            means.whiten(&filter.next(taken), &mut numbers);
             white.set_row(row, &DVector::from_vec(numbers).transpose());
         }
         let given = white.tr_mul(&white);
         assert!((&given - &stated).amax() < 1e-9 * stated.amax(), "{given}");
         let log = filter.log_variance();
         assert!((log - factor.ln_determinant()).abs() < 1e-9, "{log}");
+        let residuals: Vec<[f64; 3]> = columns
+            .row_iter()
+            .map(|row| [row[0], row[1], row[2]])
+            .collect();
+        let solved = factor.solve(&columns);
+        for (row, three) in weighed(&PROCESS, &taken, &residuals).iter().enumerate() {
+            for (column, number) in three.iter().enumerate() {
+                let off = (number - solved[(row, column)]).abs();
+                assert!(off < 1e-9 * solved.amax(), "{row} {column}: {off}");
+            }
+        }
     }
 
     /// A number that is zero from some sample on leaves what [`Gain::forgets`] says.
@@ -188,8 +244,8 @@ mod tests {
         let mut random = Random::default();
         let (mut filter, mut means) = (Filter::new(&PROCESS), Means::new(1));
         let mut left: Option<Vector3<f64>> = None;
-        for (index, time_s) in times_s(&mut random).into_iter().enumerate() {
-            let gain = filter.next(time_s);
+        for (index, taken) in taken(&mut random).iter().enumerate() {
+            let gain = filter.next(taken);
             let mut number = [f64::from(u8::from(index < 5))];
             means.whiten(&gain, &mut number);
             let mean = Vector3::from_fn(|row, _| means.each[row][0]);

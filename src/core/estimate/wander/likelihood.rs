@@ -26,7 +26,7 @@ const STEP: f64 = 1e-4;
 /// The longest step in any logarithm.
 const LONGEST: f64 = 1.5;
 /// Steps end where one gains less than this of `−2 log L`.
-const GAIN: f64 = 1e-3;
+const GAIN: f64 = 0.01;
 
 /// What is known of a motion whose samples have such errors.
 #[derive(Clone, Debug)]
@@ -227,7 +227,7 @@ fn update(inverse: &mut DMatrix<f64>, step: &DVector<f64>, change: &DVector<f64>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::wander::filter::{Filter, Means};
+    use crate::estimate::wander::filter::{Filter, Means, SampleInstant};
     use crate::estimate::wander::series::Series;
     use crate::math::random::Random;
     use crate::motion::TrackIndex;
@@ -242,18 +242,22 @@ mod tests {
 
     /// Samples of the process about a parabola, with columns of it.
     fn drawn(random: &mut Random, samples: usize) -> (Vec<Series>, DMatrix<f64>) {
-        let times_s: Vec<f64> = (0..samples).map(|at| 0.02 * at as f64).collect();
+        let taken = (0..samples).map(|at| SampleInstant {
+            time_s: 0.02 * at as f64,
+            noise_variance: 0.0,
+        });
+        let taken: Vec<SampleInstant> = taken.collect();
         let mut columns = DMatrix::zeros(3 * samples, 10);
         for axis in 0..3 {
-            for (row, time_s) in times_s.iter().enumerate() {
+            for (row, taken) in taken.iter().enumerate() {
                 for power in 0..3 {
-                    columns[(3 * row + axis, 3 * power + axis)] = time_s.powi(power as i32);
+                    columns[(3 * row + axis, 3 * power + axis)] = taken.time_s.powi(power as i32);
                 }
             }
             // `r = L e`: what the filter takes off is put back on.
             let (mut filter, mut means) = (Filter::new(&TRUE), Means::new(2));
-            for (row, time_s) in times_s.iter().enumerate() {
-                let gain = filter.next(*time_s);
+            for (row, taken) in taken.iter().enumerate() {
+                let gain = filter.next(taken);
                 // `e = offset + slope r`.
                 let (mut zero, mut one) = ([0.0, 0.0], [1.0, 1.0]);
                 means.clone().whiten(&gain, &mut zero);
@@ -267,7 +271,7 @@ mod tests {
         let series = Series {
             track: TrackIndex(0),
             kind: 0,
-            times_s,
+            taken,
             rows: (0..samples).map(|row| 3 * row).collect(),
             unit: 1.0,
         };

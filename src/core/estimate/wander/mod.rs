@@ -10,7 +10,8 @@ pub mod filter;
 pub mod likelihood;
 pub mod process;
 pub mod series;
+pub mod white;
 pub mod wrong;
 
-pub use filter::{Filter, Means};
+pub use filter::{Filter, Means, SampleInstant};
 pub use process::Process;

@@ -35,6 +35,16 @@ impl Process {
     /// Number of its numbers.
     pub const COUNT: usize = 5;
 
+    /// The same with all sizes so many times as great.
+    pub fn times(&self, factor: f64) -> Self {
+        Self {
+            smooth_sd: factor * self.smooth_sd,
+            rough_sd: factor * self.rough_sd,
+            noise_sd: factor * self.noise_sd,
+            ..*self
+        }
+    }
+
     /// What is expected before anything is seen: a hand that strays by about a unit, a tracker a twentieth of it.
     pub const EXPECTED: Self = Self {
         smooth_sd: 1.0,

@@ -2,19 +2,20 @@
 
 use nalgebra::DMatrix;
 
-use super::filter::{Filter, Means};
+use super::filter::{Filter, Means, SampleInstant};
 use super::process::Process;
+use super::white::WhiteProducts;
 use crate::motion::TrackIndex;
 
-/// Samples of one track that are of one kind: its places, or how it is turned.
+/// Samples of one hand that are of one kind: its places, or how it is turned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// What was tracked.
+    /// The first of its trackers.
     pub track: TrackIndex,
     /// 0: positions, 1: orientations and directions.
     pub kind: usize,
-    /// When its samples were \[s\], in order.
-    pub times_s: Vec<f64>,
+    /// When its samples were taken, in order.
+    pub taken: Vec<SampleInstant>,
     /// The first row of each: it has three.
     pub rows: Vec<usize>,
     /// One unit of its residuals \[m or rad\].
@@ -35,7 +36,7 @@ pub struct SeriesRows {
 struct RowsOfSeries {
     kind: usize,
     unit: f64,
-    times_s: Vec<f64>,
+    taken: Vec<SampleInstant>,
     /// Sample by sample, column by column, axis by axis.
     numbers: Vec<f64>,
 }
@@ -55,7 +56,7 @@ impl SeriesRows {
         let of_series = series.iter().map(|of| RowsOfSeries {
             kind: of.kind,
             unit: of.unit,
-            times_s: of.times_s.clone(),
+            taken: of.taken.clone(),
             numbers: of
                 .rows
                 .iter()
@@ -89,15 +90,15 @@ impl SeriesRows {
     pub fn thinned(&self, apart_s: f64) -> Self {
         let of_series = self.series.iter().map(|of| {
             let mut thin = RowsOfSeries {
-                times_s: Vec::new(),
+                taken: Vec::new(),
                 numbers: Vec::new(),
                 ..*of
             };
             let samples = of.numbers.chunks_exact(3 * self.count);
-            for (time_s, sample) in of.times_s.iter().zip(samples) {
-                let last_s = thin.times_s.last();
-                if last_s.is_none_or(|last_s| *time_s >= last_s + apart_s) {
-                    thin.times_s.push(*time_s);
+            for (taken, sample) in of.taken.iter().zip(samples) {
+                let last = thin.taken.last();
+                if last.is_none_or(|last| taken.time_s >= last.time_s + apart_s) {
+                    thin.taken.push(*taken);
                     thin.numbers.extend(sample);
                 }
             }
@@ -116,13 +117,13 @@ impl SeriesRows {
 
     /// Number of samples, each kind by itself.
     pub fn samples(&self) -> usize {
-        self.series.iter().map(|of| of.times_s.len()).sum()
+        self.series.iter().map(|of| of.taken.len()).sum()
     }
 
     /// Whether any sample is of a kind.
     pub fn shows(&self, kind: usize) -> bool {
         let mut series = self.series.iter();
-        series.any(|of| of.kind == kind && !of.times_s.is_empty())
+        series.any(|of| of.kind == kind && !of.taken.is_empty())
     }
 
     /// One unit of residuals of a kind \[m or rad\]; the greatest of several.
@@ -138,22 +139,16 @@ impl SeriesRows {
             gram: DMatrix::zeros(count, count),
             log_variance: 0.0,
         };
-        let mut white = DMatrix::zeros(0, 0);
         for of in self.series.iter().filter(|of| of.kind == kind) {
             let (mut filter, mut means) = (Filter::new(process), Means::new(3 * count));
-            let samples = of.times_s.len();
-            white.resize_mut(3 * samples, count, 0.0);
+            let mut white = WhiteProducts::new(count);
             let mut numbers = vec![0.0; 3 * count];
-            let each = of.times_s.iter().zip(of.numbers.chunks_exact(3 * count));
-            for (index, (time_s, sample)) in each.enumerate() {
+            for (taken, sample) in of.taken.iter().zip(of.numbers.chunks_exact(3 * count)) {
                 numbers.copy_from_slice(sample);
-                means.whiten(&filter.next(*time_s), &mut numbers);
-                for (column, three) in numbers.chunks_exact(3).enumerate() {
-                    let first = column * 3 * samples + 3 * index;
-                    white.as_mut_slice()[first..first + 3].copy_from_slice(three);
-                }
+                means.whiten(&filter.next(taken), &mut numbers);
+                white.push(&numbers);
             }
-            products.gram.gemm_tr(1.0, &white, &white, 1.0);
+            products.gram += white.gram();
             products.log_variance += 3.0 * filter.log_variance();
         }
         products

@@ -12,10 +12,8 @@ pub struct Weights {
 /// Whether a hand acted what trackers saw: a hand wanders, by much more than a tracker's noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Performer {
-    /// Somebody acted the motion.
+    /// Somebody acted the motion, whose errors are a process in time: they change slowly.
     Hand,
-    /// The same, and the hand's errors are taken for a process in time: they change slowly.
-    Wandering,
     /// Nobody did: the motion itself was measured, and residuals are a tracker's errors.
     Nobody,
     /// The scene does not say; the flights' own residuals may show it.

@@ -83,7 +83,7 @@ impl TriedMotion {
         if !(alone <= farthest) {
             return None;
         }
-        let performed = prepared.performed(&mut budget.of_one()).ok()?;
+        let performed = prepared.one_by_one(&mut budget.of_one()).ok()?;
         let (given, estimate) = (performed.inferred.scene, performed.inferred.solved.estimate);
         if estimate.verdict == Verdict::Failed {
             return None;

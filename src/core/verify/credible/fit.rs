@@ -101,7 +101,7 @@ pub(super) fn doubts(
     let least_m = match scene.performer {
         // What a tracker leaves by its slow errors tells nothing of the fall.
         Performer::Nobody => scene.weights.position_m,
-        Performer::Hand | Performer::Wandering | Performer::Unsaid => NOTHING_M,
+        Performer::Hand | Performer::Unsaid => NOTHING_M,
     };
     doubts.extend(fall(&alone, least_m));
     doubts.extend(direction(estimate, &alone, least_m));

@@ -34,7 +34,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         let begin = Instant::now();
         let starts = options.either(3, STARTS);
         let posings = options.seeds(SEEDS).filter_map(|seed| {
-            let case = Case::new(&(scene.truth)(seed), &scene.acting, seed);
+            let case = Case::new(&(scene.truth)(seed), &scene.acting, seed).one_by_one();
             posing(&case, seed, starts).ok()
         });
         let mut posings: Vec<Posing> = posings

@@ -99,7 +99,12 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
 fn row(trouble: &Trouble, seeds: Range<u64>) -> Row {
     let each: Vec<(u64, Result<Judged, String>)> = seeds
         .into_par_iter()
-        .map(|seed| (seed, (trouble.make)(seed).map(|case| judged(&case, seed))))
+        .map(|seed| {
+            (
+                seed,
+                (trouble.make)(seed).map(|case| judged(&case.one_by_one(), seed)),
+            )
+        })
         .collect();
     let mut row = Row {
         theme: trouble.theme.to_owned(),

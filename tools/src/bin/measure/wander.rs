@@ -24,8 +24,8 @@ const PERFORMANCES: u64 = 40;
 const INTERVAL: f64 = 1.96;
 /// How samples are weighed.
 const WEIGHED: [(&str, Performer); 2] = [
-    ("one by one", Performer::Hand),
-    ("as a process", Performer::Wandering),
+    ("one by one", Performer::Nobody),
+    ("as a process", Performer::Hand),
 ];
 /// Wrong scenes that are asked.
 const WRONGS: [Wrong; 6] = [
@@ -72,22 +72,45 @@ const HANDS: [(&str, Hand); 6] = [
     ("drawn, with round kinks", None),
 ];
 
-fn acting(hand: Hand, seed: u64) -> Acting {
-    match hand {
-        Some([distortion, wander_pace]) => Acting {
-            distortion,
-            wander_pace,
-            ..Acting::timing_known()
-        },
-        None => {
-            let drawn = Acting::drawn(seed);
-            Acting {
-                distortion: drawn.distortion,
-                wander_pace: drawn.wander_pace,
-                kink_s: drawn.kink_s,
-                rate_hz: drawn.rate_hz,
-                mark_error_s: 0.5 / drawn.rate_hz,
-                ..Acting::timing_known()
+/// Whether stamps are physical times, or the tempo is unknown and slow.
+#[derive(Clone, Copy)]
+enum Stamps {
+    Physical,
+    Tempo,
+}
+
+impl Stamps {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Physical => "physical",
+            Self::Tempo => "tempo",
+        }
+    }
+
+    fn acting(self, hand: Hand, seed: u64) -> Acting {
+        let of_stamps = match self {
+            Self::Physical => Acting::timing_known(),
+            Self::Tempo => Acting::default(),
+        };
+        match hand {
+            Some([distortion, wander_pace]) => Acting {
+                distortion,
+                wander_pace,
+                ..of_stamps
+            },
+            None => {
+                let drawn = Acting::drawn(seed);
+                Acting {
+                    distortion: drawn.distortion,
+                    wander_pace: drawn.wander_pace,
+                    kink_s: drawn.kink_s,
+                    rate_hz: drawn.rate_hz,
+                    mark_error_s: match self {
+                        Self::Physical => 0.5 / drawn.rate_hz,
+                        Self::Tempo => of_stamps.mark_error_s,
+                    },
+                    ..of_stamps
+                }
             }
         }
     }
@@ -109,6 +132,41 @@ struct Errors {
 }
 
 impl Errors {
+    /// Of the answers to all performances.
+    fn of(case: impl Fn(u64) -> Option<Case>, performer: Performer, options: &Options) -> Self {
+        let mut errors = Self::default();
+        for mut case in options.seeds(PERFORMANCES).filter_map(case) {
+            case.performance.truth.scene.performer = performer;
+            let time = CoreTime::begin();
+            let Ok(outcome) = case.pipeline().finish(&mut ()) else {
+                continue;
+            };
+            errors.took_ms.push(1e3 * time.seconds());
+            errors.performances += 1;
+            errors.add(&case, &outcome);
+        }
+        errors
+    }
+
+    /// A row's, after its names.
+    fn cells(&self) -> [String; 11] {
+        let held = self.deviations.iter().filter(|of| **of < INTERVAL);
+        let sizes_ms: Vec<f64> = self.times_ms.iter().map(|of| of.abs()).collect();
+        [
+            self.performances.to_string(),
+            percent(self.physical, self.performances),
+            percent(self.suspected, self.performances),
+            number(rms(&self.times_ms)),
+            number(median(&sizes_ms)),
+            percent(held.count(), self.deviations.len()),
+            number(median(&self.positions_mm)),
+            number(median(&self.turns_deg)),
+            number(median(&self.velocities_mm_s)),
+            number(median(&self.spins_rad_s)),
+            number(median(&self.took_ms)),
+        ]
+    }
+
     fn add(&mut self, case: &Case, outcome: &Outcome) {
         let estimate = &outcome.estimate;
         self.physical += usize::from(estimate.verdict == Verdict::Physical);
@@ -144,6 +202,7 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
 
 fn bodies(options: &Options, record: &mut Record) -> Result<()> {
     let header = [
+        "stamps",
         "motion",
         "hand",
         "samples weighed",
@@ -162,47 +221,23 @@ fn bodies(options: &Options, record: &mut Record) -> Result<()> {
     let mut table = Table::new("bodies", "", &header);
     let mut all = Vec::new();
     let [mut suspected, mut right] = [0; 2];
-    for performed in [Performed::Pencil, Performed::Cube(1), Performed::Cube(4)] {
+    let motions = [Performed::Pencil, Performed::Cube(1), Performed::Cube(4)];
+    let performed = [Stamps::Physical, Stamps::Tempo]
+        .into_iter()
+        .flat_map(|stamps| motions.map(|of| (stamps, of)));
+    for (stamps, performed) in performed {
         for (hand, of) in HANDS {
             for (weighed, performer) in WEIGHED {
-                let mut errors = Errors::default();
-                for seed in options.seeds(PERFORMANCES) {
-                    let Some(mut case) = performed.case(&acting(of, seed), seed) else {
-                        continue;
-                    };
-                    case.performance.truth.scene.performer = performer;
-                    let time = CoreTime::begin();
-                    let Ok(outcome) = case.pipeline().finish(&mut ()) else {
-                        continue;
-                    };
-                    errors.took_ms.push(1e3 * time.seconds());
-                    errors.performances += 1;
-                    errors.add(&case, &outcome);
-                }
-                if performer == Performer::Wandering {
+                let case = |seed: u64| performed.case(&stamps.acting(of, seed), seed);
+                let errors = Errors::of(case, performer, options);
+                if performer == Performer::Hand {
                     suspected += errors.suspected;
                     right += errors.performances;
                 }
-                let held = errors.deviations.iter().filter(|of| **of < INTERVAL);
-                let sizes_ms: Vec<f64> = errors.times_ms.iter().map(|of| of.abs()).collect();
-                table.row([
-                    performed.name(),
-                    hand.to_owned(),
-                    weighed.to_owned(),
-                    errors.performances.to_string(),
-                    percent(errors.physical, errors.performances),
-                    percent(errors.suspected, errors.performances),
-                    number(rms(&errors.times_ms)),
-                    number(median(&sizes_ms)),
-                    percent(held.count(), errors.deviations.len()),
-                    number(median(&errors.positions_mm)),
-                    number(median(&errors.turns_deg)),
-                    number(median(&errors.velocities_mm_s)),
-                    number(median(&errors.spins_rad_s)),
-                    number(median(&errors.took_ms)),
-                ]);
-                eprintln!("  {}, {hand}, {weighed}", performed.name());
-                all.push((performed.name(), hand, weighed, errors));
+                let names = [stamps.name(), &performed.name(), hand, weighed].map(str::to_owned);
+                table.row(names.clone().into_iter().chain(errors.cells()));
+                eprintln!("  {}", names.join(", "));
+                all.push((names, errors));
             }
         }
     }

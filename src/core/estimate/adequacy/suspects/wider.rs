@@ -1,5 +1,6 @@
 //! Problems with more parameters.
 
+use crate::estimate::posing::Nodes;
 use crate::estimate::problem::Problem;
 use crate::estimate::terms::context::SolveContext;
 use crate::estimate::unknowns::layout::Layout;
@@ -33,7 +34,14 @@ impl Wider {
     ) -> Self {
         let mut wider = performance.scene.clone();
         wider.parameters.extend(added.iter().cloned());
-        let mut problem = Problem::new(&wider, performance.sketch, performance.segments);
+        let nodes = Nodes {
+            acted_s: context.problem.nodes_acted_s.clone(),
+            samples_each: context.problem.tempo_counts,
+        };
+        let Performance {
+            sketch, segments, ..
+        } = performance;
+        let mut problem = Problem::at_nodes(&wider, sketch, segments, nodes);
         problem.velocity_gap_weight = context.problem.velocity_gap_weight;
         if let Some(weave) = &context.problem.weave {
             problem = problem.woven_as(weave);

@@ -270,7 +270,7 @@ impl Binned {
             }
             each.push(six);
         }
-        let mut samples = series.times_s.iter();
+        let mut samples = series.taken.iter().map(|of| &of.time_s);
         for rows in &rows {
             let times = samples.by_ref().take(rows.len());
             let time_s = times.sum::<f64>() / rows.len() as f64;
@@ -282,7 +282,7 @@ impl Binned {
                 samples: rows.len(),
             });
         }
-        let span_s = series.times_s[count - 1] - series.times_s[0];
+        let span_s = series.taken[count - 1].time_s - series.taken[0].time_s;
         let white = noise::white(&[Residuals { kinds, each }])[series.kind];
         Self {
             bins: Bins {

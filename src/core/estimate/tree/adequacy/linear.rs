@@ -101,13 +101,13 @@ impl Linear {
                 series.push(Series {
                     track: sample.track,
                     kind,
-                    times_s: Vec::new(),
+                    taken: Vec::new(),
                     rows: Vec::new(),
                     unit: sample.unit,
                 });
                 series.len() - 1
             });
-            series[at].times_s.push(sample.acted_s);
+            series[at].taken.push(sample.instant());
             series[at].rows.push(values.len());
             for axis in 0..3 {
                 let mut row = DVector::zeros(size);

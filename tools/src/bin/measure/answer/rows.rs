@@ -26,7 +26,8 @@ pub struct Row {
 impl Row {
     /// Its performance of a seed; `None` where no motion is found.
     pub fn case(&self, seed: u64) -> Option<Case> {
-        Some(Case::new(&(self.truth)(seed)?, &self.acting, seed))
+        // Objectives are compared with those from the truth, of samples one by one.
+        Some(Case::new(&(self.truth)(seed)?, &self.acting, seed).one_by_one())
     }
 }
 

@@ -88,7 +88,7 @@ pub fn run(settings: &Settings, options: &Options, record: &mut Record) -> Resul
 }
 
 fn subject(truth: &Truth, seed: u64) -> Option<Subject> {
-    let case = Case::new(truth, &Acting::timing_known(), seed);
+    let case = Case::new(truth, &Acting::timing_known(), seed).one_by_one();
     let outcome = case.estimated(&mut ()).ok()?;
     let posed = Posed::without_marks(&outcome.scene, &outcome.sketch);
     let solution = solved(&posed, TIGHT);

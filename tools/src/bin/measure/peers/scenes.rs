@@ -104,7 +104,7 @@ impl Scene {
     /// Poses the problem of a performance, solves it, and exports it; `None` where the performance
     /// is refused.
     pub fn given(&self, seed: u64, repeats: usize) -> Option<Given> {
-        let case = Case::new(&(self.truth)(seed), &self.acting, seed);
+        let case = Case::new(&(self.truth)(seed), &self.acting, seed).one_by_one();
         let pipeline = case.pipeline();
         let (outcome, whole_seconds) = timed(repeats, || pipeline.clone().estimate(&mut ()));
         let outcome = outcome.ok()?;
