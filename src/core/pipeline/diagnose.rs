@@ -10,7 +10,7 @@ mod budget;
 mod facts;
 mod fall;
 mod frames;
-mod motion;
+pub(super) mod motion;
 mod mount;
 mod quaternions;
 mod remedied;

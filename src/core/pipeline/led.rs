@@ -4,6 +4,7 @@
 //! disagree with the samples though nothing in the scene is wrong. It is told apart by the same motion without goals: where
 //! that agrees, the goals are what the disagreement is about, and nothing else is suspected.
 
+use super::diagnose::motion::{distance, misfit};
 use super::outcome::PipelineError;
 use super::perform::{Performed, Prepared};
 use crate::motion::{About, Doubt, Fits, Observer, Place, Suspect, TakeEvent, Verdict};
@@ -47,8 +48,10 @@ impl LedByGoals {
             true => Place::Event(first),
             false => Place::Motion,
         };
-        let ratio = estimate.objective / without.objective.max(f64::MIN_POSITIVE);
-        let doubt = Doubt::beyond(About::Led, place, ratio.sqrt(), FARTHER);
+        // Each is told with errors of its own: objectives are not alike.
+        let [far, near] = [estimate, &without].map(|of| misfit(scene, &distance(of)));
+        let ratio = far / near.max(f64::MIN_POSITIVE);
+        let doubt = Doubt::beyond(About::Led, place, ratio, FARTHER);
         Ok(doubt.map(|doubt| Self {
             suspects: without.suspects,
             doubt,

@@ -4,7 +4,9 @@
 use nalgebra::DMatrix;
 
 use super::{Posed, Solved, add};
+use crate::estimate::covariance::bins::Residuals;
 use crate::estimate::covariance::linearised::{LinearisedSolution, free_count, free_directions};
+use crate::estimate::covariance::noise::mean_squares;
 use crate::estimate::posing::Nodes;
 use crate::estimate::problem::Problem;
 use crate::estimate::problem::influence::Influence;
@@ -18,13 +20,15 @@ use crate::optimise::kkt::Kkt;
 
 /// How often errors are told from residuals.
 const ROUNDS: usize = 3;
+/// How many times as far from its samples, and from a unit, a motion may be.
+const FARTHER: f64 = 3.0;
 /// Errors are told well where no logarithm of their sizes and times changes by more.
 const SAME: f64 = 0.05;
 
 impl Solved {
     /// Goes on to the motion with the likeliest errors of a hand, from that at which each sample errs by itself. This one
-    /// stays where there is no hand or no time in which it strayed, where a clock is late by nobody knows how much, where velocities jump, where it is no optimum and where
-    /// that leads to none.
+    /// stays where there is no hand or no time in which it strayed, where nobody knows how late a clock is, where velocities
+    /// jump, where it is no optimum, and where that leads to none or far away.
     pub fn refine(&mut self, performance: Performance, observer: &mut dyn Observer) {
         let scene = performance.scene;
         let problem = &self.posed.problem;
@@ -55,6 +59,11 @@ impl Solved {
         add(&mut counters, &solution.work, 0);
         let context = posed.context(self.epochs_s.clone(), &solution.point);
         let errors = outcome::errors(&posed.problem, &context, &solution.point);
+        let farthest = FARTHER * distance(&self.errors).max(1.0);
+        // Written so that what is no number is too far.
+        if !(distance(&errors) <= farthest) {
+            return;
+        }
         let sketch = performance.sketch;
         let estimate = outcome::estimate(scene, sketch, &context, &solution, &errors, counters);
         self.estimate = Estimate {
@@ -76,6 +85,11 @@ impl Solved {
             }
         }
     }
+}
+
+/// Root mean square residual, in units.
+fn distance(errors: &[Residuals]) -> f64 {
+    mean_squares(errors).iter().sum::<f64>().sqrt()
 }
 
 /// The solution with the likeliest errors, and its problem, from a start near by; `None` where there is no optimum.

@@ -56,8 +56,8 @@ pub struct Judgement {
     pub shows: Vec<f64>,
 }
 
-/// Looks at quantities whose columns come after the free ones, one by one; `None` where a number is none or
-/// there is no time.
+/// Looks at quantities whose columns come after the free ones, one by one; `None` where there is no time. What rounding leaves no
+/// answer of is not wrong.
 pub fn judge(
     of: &Restricted,
     fitted: &FittedErrors,
@@ -82,26 +82,27 @@ pub fn judge(
         best.sort_by(|a, b| b.1.total_cmp(&a.1));
         best.into_iter().map(|(index, _)| index).take(TRIALS)
     };
-    let by_noise = of.at(&without_wander(&fitted.processes))?;
+    let by_noise = of.at(&without_wander(&fitted.processes));
+    let by_noise = by_noise.unwrap_or_else(|| fitted.clone());
     let mut tried: Vec<usize> = best(fitted, TRIED)
         .chain(best(&by_noise, TRIED_BY_NOISE))
         .collect();
     tried.sort_unstable();
     tried.dedup();
     let mut wrong = Vec::new();
-    if !tried.is_empty() {
-        let rows = of.rows.thinned(APART_S);
-        let thin = Restricted { rows: &rows, ..*of };
-        let fixed = thin.likeliest(&fitted.processes)?;
+    let rows = of.rows.thinned(APART_S);
+    let thin = Restricted { rows: &rows, ..*of };
+    let fixed = (!tried.is_empty()).then(|| thin.likeliest(&fitted.processes));
+    if let Some(fixed) = fixed.flatten() {
         for index in tried {
             if should_stop() {
                 return None;
             }
-            let one = with_one(&thin, &fixed, index, kept[index].typical)?;
-            let is_likely = one.deviations.abs() > WRONG && one.log_odds > ODDS;
-            if is_likely && one.explains >= kept[index].explains_least {
-                wrong.push(one);
-            }
+            let one = with_one(&thin, &fixed, index, kept[index].typical);
+            wrong.extend(one.filter(|one| {
+                let is_likely = one.deviations.abs() > WRONG && one.log_odds > ODDS;
+                is_likely && one.explains >= kept[index].explains_least
+            }));
         }
     }
     wrong.sort_by(|a: &WrongQuantity, b| b.log_odds.total_cmp(&a.log_odds));

@@ -140,7 +140,7 @@ impl TriedMotion {
 }
 
 /// Root mean square distance of an estimate from all samples.
-pub(super) fn distance(estimate: &Estimate) -> Distance {
+pub(in crate::pipeline) fn distance(estimate: &Estimate) -> Distance {
     let (position_m, orientation_rad) = estimate.residual_rms();
     Distance {
         position_m,
@@ -149,7 +149,7 @@ pub(super) fn distance(estimate: &Estimate) -> Distance {
 }
 
 /// A distance from the samples in the scene's weights.
-pub(super) fn misfit(scene: &Scene, distance: &Distance) -> f64 {
+pub(in crate::pipeline) fn misfit(scene: &Scene, distance: &Distance) -> f64 {
     let position = distance.position_m / scene.weights.position_m;
     position.hypot(distance.orientation_rad / scene.weights.orientation_rad)
 }
