@@ -3,7 +3,7 @@
 //! Contacts, impacts and goals tie flights that could each fit their samples better alone
 //! (`alone`). How much worse they fit together is compared with what errors of the samples explain:
 //! white noise and a wander of the hand, as the flights by themselves show it
-//! ([`noise`](crate::estimate::covariance::noise)). Each event is tested (`event`), so that the answer names
+//! ([`noise`]). Each event is tested (`event`), so that the answer names
 //! where flights and model disagree. A flight that ends at no such event is tested by itself (`flight`).
 
 mod alone;
