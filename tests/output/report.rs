@@ -352,7 +352,7 @@ fn a_picture_shows_where_the_motion_is_to_scale() {
         count("cr")
     );
     assert_eq!(count("ev no"), 2);
-    for name in ["bounce 0.347 s", "landing 0.798 s"] {
+    for name in ["bounce 0.345 s", "landing 0.795 s"] {
         assert!(
             picture.texts.iter().any(|text| text == name),
             "{:?}",
