@@ -396,7 +396,7 @@ fn every_kind_of_recording_has_its_page() {
             3,
             [5, 5],
             // It has more goals than physics meets.
-            &["for another motion than was acted|plausible"],
+            &["for another motion than was acted", "plausible"],
         ),
         (
             "pencil_eraser.mcap",

@@ -7,7 +7,7 @@
 use super::diagnose::motion::{distance, misfit};
 use super::outcome::PipelineError;
 use super::perform::{Performed, Prepared};
-use crate::motion::{About, Doubt, Fits, Observer, Place, Suspect, TakeEvent, Verdict};
+use crate::motion::{About, Doubt, Estimate, Fits, Observer, Place, Suspect, TakeEvent, Verdict};
 
 /// Greatest ratio of the distances from the samples with goals and without that is no other motion.
 const FARTHER: f64 = 1.5;
@@ -36,7 +36,12 @@ impl LedByGoals {
         }
         let mut free = scene.clone();
         free.goals.clear();
-        let mut without = Prepared::new(&free, events, observer)?.performed(observer)?;
+        let mut without = Prepared::new(&free, events, observer)?.one_by_one(observer)?;
+        // As the motion with goals was found: of a hand's errors one is farther from its samples than of each by itself.
+        let errs_in_time = performed.inferred.solved.errs_in_time();
+        if errs_in_time {
+            without.refine(observer);
+        }
         without.judge(observer);
         if observer.should_stop() || is_known_to_differ(&without) {
             return Ok(None);
@@ -48,9 +53,12 @@ impl LedByGoals {
             true => Place::Event(first),
             false => Place::Motion,
         };
-        // Each is told with errors of its own: objectives are not alike.
-        let [far, near] = [estimate, &without].map(|of| misfit(scene, &distance(of)));
-        let ratio = far / near.max(f64::MIN_POSITIVE);
+        let cost = |of: &Estimate| match errs_in_time {
+            // Errors of a hand are told of each by itself: objectives are not alike.
+            true => misfit(scene, &distance(of)),
+            false => of.objective.sqrt(),
+        };
+        let ratio = cost(estimate) / cost(&without).max(f64::MIN_POSITIVE);
         let doubt = Doubt::beyond(About::Led, place, ratio, FARTHER);
         Ok(doubt.map(|doubt| Self {
             suspects: without.suspects,

@@ -56,7 +56,7 @@ impl Performed {
     }
 
     /// Goes on to the motion with the likeliest errors of a hand.
-    fn refine(&mut self, observer: &mut dyn Observer) {
+    pub(super) fn refine(&mut self, observer: &mut dyn Observer) {
         let (solved, performance) = self.parts();
         solved.refine(performance, observer);
     }

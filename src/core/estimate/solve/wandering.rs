@@ -73,6 +73,11 @@ impl Solved {
         (self.posed, self.solution, self.errors) = (posed, solution, errors);
     }
 
+    /// Whether errors of a hand were told.
+    pub fn errs_in_time(&self) -> bool {
+        self.posed.problem.weave.is_some()
+    }
+
     /// Whether a hand acted the motion: as is said, or as it shows. Who acts slowly has one.
     fn is_of_hand(&self, performer: Performer) -> bool {
         match performer {
