@@ -1,6 +1,7 @@
 //! Errors of a hand as a process in time: motions come nearer to the truth, intervals hold it, and right scenes stay right.
 
 use enact::motion::{Fits, Performer, Quantity, Verdict, Weights};
+use enact::pipeline::Outcome;
 use enact_tools::case::{Case, Posed};
 use enact_tools::nonsense::wrong::Wrong;
 use enact_tools::perform::{Acting, Style, bounces};
@@ -59,6 +60,17 @@ fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|of| of * of).sum::<f64>() / values.len() as f64).sqrt()
 }
 
+/// By how much a pencil's bounce is off \[s\], and the same in its deviations.
+fn bounce_off(case: &Case, outcome: &Outcome) -> [f64; 2] {
+    let posed = Posed::new(case.scene(), &outcome.sketch);
+    let offset_s = case.offset_s(&posed, &outcome.sketch);
+    let bounce = outcome.estimate.events.iter().find(|of| of.sd_s.is_some());
+    let bounce = bounce.expect("a bounce");
+    let true_s = case.performance.truth.event_times_s[bounce.event];
+    let off_s = bounce.time_s - offset_s - true_s;
+    [off_s, off_s / bounce.sd_s.expect("a deviation")]
+}
+
 /// Bounces are four times as near to their true times, and turns nearer by half, with kinks that no hand makes sharp.
 #[test]
 fn a_throw_is_nearer_to_the_truth() {
@@ -91,14 +103,9 @@ fn goals_hold_and_intervals_do_at_any_rate() {
             assert_eq!(estimate.verdict, Verdict::Physical, "{seed}");
             let (miss_m, turn_rad) = enact_tools::errors::goal_gap(&case, estimate);
             assert!(miss_m < 1e-8 && turn_rad < 1e-8, "{seed}: {miss_m}");
-            let posed = Posed::new(case.scene(), &outcome.sketch);
-            let offset_s = case.offset_s(&posed, &outcome.sketch);
-            let bounce = estimate.events.iter().find(|of| of.sd_s.is_some());
-            let bounce = bounce.expect("a bounce");
-            let true_s = case.performance.truth.event_times_s[bounce.event];
-            let off_s = bounce.time_s - offset_s - true_s;
+            let [off_s, deviation] = bounce_off(&case, &outcome);
             assert!(off_s.abs() < 0.002, "{seed}: {off_s}");
-            deviations.push(off_s / bounce.sd_s.expect("a deviation"));
+            deviations.push(deviation);
         }
         let spread = rms(&deviations);
         assert!((0.4..1.6).contains(&spread), "{rate_hz}: {spread}");
@@ -170,15 +177,9 @@ fn a_slow_performance_is_nearer_to_the_truth() {
             let mut case = Case::pencil(Style::Tip, &slow, seed);
             case.performance.truth.scene.performer = performer;
             let outcome = case.pipeline().finish(&mut ()).expect("an estimate");
-            let estimate = &outcome.estimate;
-            assert_eq!(estimate.verdict, Verdict::Physical, "{seed}");
-            let posed = Posed::new(case.scene(), &outcome.sketch);
-            let offset_s = case.offset_s(&posed, &outcome.sketch);
-            let bounce = estimate.events.iter().find(|of| of.sd_s.is_some());
-            let bounce = bounce.expect("a bounce");
-            let true_s = case.performance.truth.event_times_s[bounce.event];
-            let off_s = bounce.time_s - offset_s - true_s;
-            deviations.push(off_s / bounce.sd_s.expect("a deviation"));
+            assert_eq!(outcome.estimate.verdict, Verdict::Physical, "{seed}");
+            let [off_s, deviation] = bounce_off(&case, &outcome);
+            deviations.push(deviation);
             off_s
         });
         (rms(&errors.collect::<Vec<_>>()), rms(&deviations))

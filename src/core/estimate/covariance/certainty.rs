@@ -374,7 +374,7 @@ fn slope_without_bounds(
 }
 
 /// Number of equalities.
-fn equalities(system: &System) -> usize {
+pub(super) fn equalities(system: &System) -> usize {
     let bounds = system.blocks.iter().flat_map(|block| &block.bounds);
     bounds.filter(|(lower, upper)| lower == upper).count()
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::certainty::equalities;
 use crate::estimate::terms::context::SolveContext;
 use crate::estimate::terms::woven;
 use crate::estimate::unknowns::point::Point;
@@ -64,9 +65,7 @@ impl LinearisedSolution {
 
 /// Number of unknowns less that of equalities.
 pub(in crate::estimate) fn free_count(context: &SolveContext, system: &System) -> usize {
-    let bounds = system.blocks.iter().flat_map(|block| &block.bounds);
-    let equalities = bounds.filter(|(lower, upper)| lower == upper).count();
-    context.layout.size().saturating_sub(equalities)
+    context.layout.size().saturating_sub(equalities(system))
 }
 
 /// Directions that constraints leave free at a solution, orthonormal in typical lengths, a column each; `None` where there are too

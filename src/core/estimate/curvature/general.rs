@@ -19,14 +19,9 @@ use crate::optimise::envelope::Envelope;
 pub fn add(nudged: &mut Nudged, matrix: &mut Envelope) {
     let (context, point) = (nudged.context, nudged.origin);
     let problem = context.problem;
-    let woven = match &problem.weave {
-        Some(weave) => match woven::pulls(context, point, weave) {
-            Some(pulls) => Some(pulls),
-            // Where no body has such moments there is nothing to bend.
-            None => return,
-        },
-        None => None,
-    };
+    // Where no body has such moments there are none, and no view bends.
+    let woven = problem.weave.as_ref();
+    let woven = woven.and_then(|weave| woven::pulls(context, point, weave));
     for (number, (arc, view)) in problem.views().enumerate() {
         let pulls = woven.as_ref().map(|pulls| pulls[number].as_slice());
         if !view.is_plain || pulls.is_some() {
