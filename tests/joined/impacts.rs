@@ -246,6 +246,7 @@ fn a_scene_that_says_the_wrong_thing_is_not_physical() {
             said.scene = scene_from_toml(&said.scene_toml).expect("a valid scene");
             let estimate = said.finished().estimate;
             let is_worse = estimate.objective > 2.0 * was;
+            eprintln!("DBG {to} {:?} {} {} fits {:?} {:?}", estimate.verdict, was, estimate.objective, estimate.fit, estimate.suspects);
             assert!(
                 estimate.verdict != Verdict::Physical || is_worse,
                 "{kind:?} {to}"

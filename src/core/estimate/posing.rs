@@ -233,7 +233,7 @@ fn marks(
             (is_known || nodes.is_some()).then_some(EventMark {
                 event,
                 acted_s: mark.acted_s,
-                sd_s: mark.sd_s / mark.counted.sqrt(),
+                sd_s: mark.counted_sd_s(),
                 counted: mark.counted,
                 nodes: nodes.filter(|_| !is_known),
             })

@@ -182,6 +182,13 @@ pub struct MarkTime {
     pub counted: f64,
 }
 
+impl MarkTime {
+    /// Standard deviation with which it counts \[s\].
+    pub fn counted_sd_s(&self) -> f64 {
+        self.sd_s / self.counted.sqrt()
+    }
+}
+
 /// Collision-free flight of one mechanism between two of its events.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {

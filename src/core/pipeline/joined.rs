@@ -31,7 +31,7 @@ pub(super) fn outcome(
         marks_made_s: &marks_made_s,
     };
     let (inferred, tried, search) = if scene.open_events().is_empty() {
-        let tried = field.named(scene.clone(), observer);
+        let tried = field.performed(scene.clone(), observer);
         (Vec::new(), tried, None)
     } else {
         let ranked = infer::rank(scene, &sketch, observer);

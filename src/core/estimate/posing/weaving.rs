@@ -12,14 +12,9 @@ use crate::estimate::problem::influence::Acting;
 use crate::estimate::problem::weave::{Weave, WovenArc, WovenHand, WovenSample};
 use crate::estimate::problem::{Arc, INFORMED_MIN, Problem, View};
 use crate::estimate::unknowns::point::Point;
+use crate::estimate::wander::kink::{APART_S, kink_s};
 use crate::estimate::wander::{Filter, Process};
 
-/// Samples are left out so near to an impact \[s\],
-const KINK_S: f64 = 0.06;
-/// but no more of a flight at either end than this share.
-const KINK_SHARE: f64 = 0.2;
-/// Samples of a tracker that are nearer to one another tell next to nothing more \[s\].
-const APART_S: f64 = 0.0035;
 /// What is left of an influence that is forgotten.
 const FORGOTTEN: f64 = 1e-9;
 
@@ -159,7 +154,7 @@ impl Problem {
             (Some(start_s), Some(end_s)) => end_s - start_s,
             _ => f64::INFINITY,
         };
-        let kink_s = KINK_S.min(KINK_SHARE * length_s);
+        let kink_s = kink_s(length_s);
         let is_kink = |event: Option<usize>| {
             let mut collisions = self.collisions.iter();
             event.is_some() && collisions.any(|of| Some(of.event) == event)

@@ -61,6 +61,8 @@ const LEAST_FREEDOM: f64 = 6.0;
 const SHOWN_SHARE: f64 = 0.1;
 /// A wander that is farther from the motion than this, in weights of the samples, is none that a motion fits.
 const FAR: f64 = 3.0;
+/// How many times as far from its samples as bodies that rest a motion may be from which a hand strays.
+const BESIDE: f64 = 1.5;
 
 /// A quantity that the scene keeps fixed.
 struct SuspectCandidate {
@@ -206,7 +208,8 @@ fn judge_wandering(
         scene,
         quantities: &quantities,
         joint,
-        is_far: farther_than_rest(of.problem, joint[0]),
+        // The motion does not follow the hand, but bodies at their mean places do.
+        is_far: farther_than_rest(of.problem, joint[0] / BESIDE),
     };
     asked.judged(&restricted, &fitted, observer)
 }

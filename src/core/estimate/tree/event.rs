@@ -1,7 +1,7 @@
 //! Events within the motion of trees, whose times are unknown: impacts of links, and waypoints.
 
 use super::law::FreeLaw;
-use crate::motion::{EventKind, Scene, Sketch, TreeTouch};
+use crate::motion::{EventKind, MarkTime, Scene, Sketch, TreeTouch};
 
 /// An event of the scene with the stamp of its mark.
 #[derive(Clone, Copy, Debug)]
@@ -22,8 +22,8 @@ pub struct TreeEvent {
     pub about_s: f64,
     /// Earliest and latest acted time \[s\]; equal where its time is given, `None` where it is free.
     pub window_s: Option<[f64; 2]>,
-    /// When it was marked, and the mark's standard deviation \[s, acted\].
-    pub mark_s: Option<[f64; 2]>,
+    /// When it was marked.
+    pub mark: Option<MarkTime>,
     /// What hits what; none at a waypoint, where the motion goes on as it was.
     pub touch: Option<TreeTouch>,
     /// What of its law is unknown.
@@ -47,7 +47,7 @@ pub(super) fn events(scene: &Scene, sketch: &Sketch) -> Vec<TreeEvent> {
             event,
             about_s: sketch.marks_s[event],
             window_s: window_s(scene, sketch, event),
-            mark_s: sketch.marks[event].map(|mark| [mark.acted_s, mark.sd_s / mark.counted.sqrt()]),
+            mark: sketch.marks[event],
             touch: of.kind.collision().map(|_| {
                 let touch = scene.tree_touch(event);
                 touch.expect("what touches is named")

@@ -49,5 +49,5 @@ pub use outcome::{Detail, estimate, evidence};
 pub use point::TreePoint;
 pub use problem::TreeProblem;
 pub use rival::{RivalOutcome, rival};
+pub use solve::solve;
 pub use walk::{EXACTLY, ROUGHLY};
-pub use wandering::solved;

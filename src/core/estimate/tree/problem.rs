@@ -12,7 +12,7 @@ use super::tempo::Tempo;
 use crate::estimate::problem::unit;
 use crate::estimate::wander::Process;
 use crate::motion::held::HeldEstimate;
-use crate::motion::{Cone, FreeParameter, GoalUnit, Performer, Scene, Sketch};
+use crate::motion::{Cone, FreeParameter, GoalUnit, Scene, Sketch};
 use crate::physics::tree::Forest;
 
 /// Standard deviation of the rates of joints and of a free base's spin at the start [rad/s]: of two
@@ -71,8 +71,6 @@ impl TreeProblem {
         });
         let least = weighs.clone().fold(f64::INFINITY, f64::min);
         let most = weighs.fold(0.0, f64::max);
-        // Where something is struck a hand rounds the motion's kink, which is no error of the process.
-        let is_hand = scene.performer == Performer::Hand;
         Self {
             forest: scene.forest_with(&hands),
             hands,
@@ -81,7 +79,7 @@ impl TreeProblem {
             tempo: Tempo::of_scene(scene, span_s, &samples),
             parameters: scene.parameters.clone(),
             cones: scene.cones.clone(),
-            errors: (is_hand && events.is_empty()).then_some([Process::EXPECTED; 2]),
+            errors: None,
             samples,
             goals,
             events,

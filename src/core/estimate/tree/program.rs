@@ -129,6 +129,9 @@ impl<'a> TreeProgram<'a> {
             .map(|errors| WhitenedSums::new(problem, errors, has_derivatives));
         for node in 0..problem.nodes_s.len() {
             let each = &mut |residual: &Residual| {
+                if !residual.sample.is_counted {
+                    return;
+                }
                 each(node, residual);
                 if let Some(whitened) = &mut whitened {
                     whitened.add(node, residual);
@@ -219,10 +222,11 @@ impl<'a> TreeProgram<'a> {
         let times = point.event_times_s.iter().zip(&problem.events);
         for (index, (time_s, event)) in times.enumerate() {
             let row = problem.unknown_of_event(index);
-            match event.mark_s {
-                Some([mark_s, sd_s]) => {
+            match event.mark {
+                Some(mark) => {
                     let (acted_s, by) = line.acted_by(problem, index, *time_s);
-                    self.pull(acted_s - mark_s, &by, sd_s.powi(-2), system);
+                    let weight = mark.counted_sd_s().powi(-2);
+                    self.pull(acted_s - mark.acted_s, &by, weight, system);
                 }
                 None => {
                     let off_s = time_s - self.anchor.event_times_s[index];

@@ -27,6 +27,8 @@ pub struct TreeSample {
     pub seen: Vector3<f64>,
     /// One unit of its residual, in the quantity's own.
     pub unit: f64,
+    /// Whether it weighs: of samples that err in time some do not.
+    pub is_counted: bool,
 }
 
 impl TreeSample {
@@ -85,6 +87,7 @@ pub(super) fn samples(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<T
                 point_m: Vector3::zeros(),
                 seen: Vector3::zeros(),
                 unit: weights.position_m,
+                is_counted: true,
             };
             samples.extend(parts(
                 &begun,

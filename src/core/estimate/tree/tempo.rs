@@ -30,6 +30,8 @@ pub struct Tempo {
     pub knots_s: Vec<f64>,
     /// Standard deviation of the log-pace's change after one acted second.
     pub sd_per_sqrt_s: f64,
+    /// How often it counts, where samples count once.
+    pub counted: f64,
     /// First guess of the pace, physical time per acted time.
     pub guess: f64,
 }
@@ -57,7 +59,8 @@ impl Tempo {
         let crowd = times_s.len() as f64 * nodes::SPACING_S / lasts_s;
         Some(Self {
             knots_s: (0..=pieces).map(knot_s).collect(),
-            sd_per_sqrt_s: tempo_sd_per_sqrt_s / crowd.max(1.0).sqrt(),
+            sd_per_sqrt_s: tempo_sd_per_sqrt_s,
+            counted: crowd.max(1.0),
             guess: 1.0,
         })
     }
@@ -70,6 +73,7 @@ impl Tempo {
     /// Deviation of the difference of the log-paces of a piece and the next.
     pub(super) fn change_sd(&self, piece: usize) -> f64 {
         let knots_s = &self.knots_s;
-        self.sd_per_sqrt_s * (0.5 * (knots_s[piece + 2] - knots_s[piece])).sqrt()
+        let apart_s = 0.5 * (knots_s[piece + 2] - knots_s[piece]);
+        self.sd_per_sqrt_s * (apart_s / self.counted).sqrt()
     }
 }

@@ -262,7 +262,7 @@ fn derivatives_by_the_tempo_are_those_of_differences() {
             check(&problem, &point);
         }
         for event in &mut problem.events {
-            (event.mark_s, event.window_s) = (None, None);
+            (event.mark, event.window_s) = (None, None);
         }
     }
 }

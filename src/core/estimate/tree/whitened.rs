@@ -5,13 +5,12 @@ use nalgebra::{DMatrix, DVector};
 use super::problem::TreeProblem;
 use super::sample::Residual;
 use crate::estimate::wander::{Filter, Means, Process};
-use crate::motion::TrackIndex;
 use crate::optimise::System;
 use crate::optimise::envelope::Pattern;
 
-/// The samples of one track of one kind, with what their errors are known to be.
+/// The samples of one link of one kind, with what their errors are known to be.
 struct Strand {
-    track: TrackIndex,
+    place: usize,
     kind: usize,
     filter: Filter,
     means: Means,
@@ -53,12 +52,12 @@ impl<'p> WhitenedSums<'p> {
 
     /// Adds the next sample, of the interval of a node.
     pub(super) fn add(&mut self, node: usize, residual: &Residual) {
-        let (track, kind) = (residual.sample.track, residual.sample.kind());
+        let (place, kind) = (residual.sample.place, residual.sample.kind());
         let numbers = 3 * (1 + self.size);
-        let is_of = |of: &Strand| (of.track, of.kind) == (track, kind);
+        let is_of = |of: &Strand| (of.place, of.kind) == (place, kind);
         let at = self.strands.iter().position(is_of).unwrap_or_else(|| {
             self.strands.push(Strand {
-                track,
+                place,
                 kind,
                 filter: Filter::new(&self.errors[kind]),
                 means: Means::new(numbers),

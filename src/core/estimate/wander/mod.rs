@@ -7,6 +7,7 @@
 //! themselves by their restricted [`likelihood`], and so does which quantity of a scene is [`wrong`].
 
 pub mod filter;
+pub mod kink;
 pub mod likelihood;
 pub mod process;
 pub mod series;

@@ -148,7 +148,7 @@ fn with_one(
 }
 
 /// The errors of a motion of which no hand strayed: the same without their wander.
-fn without_wander(processes: &[Process; 2]) -> [Process; 2] {
+pub fn without_wander(processes: &[Process; 2]) -> [Process; 2] {
     processes.map(|of| Process {
         smooth_sd: f64::MIN_POSITIVE.sqrt(),
         rough_sd: f64::MIN_POSITIVE.sqrt(),

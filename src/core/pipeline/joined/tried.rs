@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 
 use crate::estimate::tree::{self, Detail, RivalOutcome, Solved, TreeProblem};
 use crate::initialise;
-use crate::motion::{About, End, Estimate, Observer, Scene, Sketch, Verdict, Verification};
+use crate::motion::{About, Estimate, Observer, Performer, Scene, Sketch, Verdict, Verification};
 use crate::physics::tree::TreeState;
 use crate::verify;
 
@@ -30,7 +30,6 @@ pub(super) struct Tried {
     pub(super) solved: Solved,
     /// How likely its samples are, once somebody asks.
     evidence: OnceCell<Option<f64>>,
-    detail: Detail,
 }
 
 /// What came of a choice.
@@ -46,11 +45,17 @@ pub(super) enum AttemptOutcome {
 }
 
 impl TriedField<'_> {
-    /// The motion of a scene whose contacts are known, as it is found where the scene names them.
+    /// The motion of a scene that names its contacts, with how certain it is and how well it fits.
+    pub(super) fn performed(&self, scene: Scene, observer: &mut dyn Observer) -> Tried {
+        let solved = self.one_by_one(&scene, observer);
+        self.refined(scene, solved, observer)
+    }
+
+    /// The motion of a scene whose contacts are known, as it is found where the scene names them, each sample by itself.
     pub(super) fn named(&self, scene: Scene, observer: &mut dyn Observer) -> Tried {
-        let (problem, starts) = self.problem(&scene);
-        let solved = tree::solved(&problem, &starts, observer);
-        self.checked(scene, solved, Detail::Whole, observer)
+        let solved = self.one_by_one(&scene, observer);
+        let estimate = self.estimate(&scene, &solved, Detail::Motion, observer);
+        self.checked(scene, solved, estimate, observer)
     }
 
     /// What comes of such a scene where another motion is the best so far.
@@ -71,31 +76,43 @@ impl TriedField<'_> {
         if best.is_some_and(|best| best.beats(&solved, || tree::evidence(&solved))) {
             return AttemptOutcome::Worse;
         }
-        AttemptOutcome::Tried(Box::new(self.checked(
-            scene,
-            solved,
-            Detail::Motion,
-            observer,
-        )))
+        let estimate = self.estimate(&scene, &solved, Detail::Motion, observer);
+        AttemptOutcome::Tried(Box::new(self.checked(scene, solved, estimate, observer)))
     }
 
-    /// The same motion, with how certain it is and how well it fits.
+    /// The same motion with the likeliest errors of a hand, with how certain it is and how well it fits.
     pub(super) fn told(&self, tried: Tried, observer: &mut dyn Observer) -> Tried {
-        if tried.detail == Detail::Whole {
-            return tried;
+        self.refined(tried.scene, tried.solved, observer)
+    }
+
+    fn one_by_one(&self, scene: &Scene, observer: &mut dyn Observer) -> Solved {
+        let (problem, starts) = self.problem(scene);
+        tree::solve(&problem, &starts, observer)
+    }
+
+    /// Where nobody says whether a hand acted, a mistake of the scene explains what is left before a hand does.
+    fn refined(&self, scene: Scene, mut solved: Solved, observer: &mut dyn Observer) -> Tried {
+        if scene.performer == Performer::Unsaid {
+            let estimate = self.estimate(&scene, &solved, Detail::Whole, observer);
+            if !estimate.suspects.is_empty() || !solved.shows_hand() {
+                return self.checked(scene, solved, estimate, observer);
+            }
         }
-        let mut estimate = tree::estimate(
-            &tried.scene,
-            self.sketch,
-            &tried.solved,
-            Detail::Whole,
-            observer,
-        );
-        estimate.doubt(tried.estimate.doubts);
-        if matches!(tried.estimate.reason.end, End::Unverified(_)) {
-            estimate.is_not_verified();
+        if scene.performer != Performer::Nobody {
+            solved.refine(observer);
         }
-        Tried { estimate, ..tried }
+        let estimate = self.estimate(&scene, &solved, Detail::Whole, observer);
+        self.checked(scene, solved, estimate, observer)
+    }
+
+    fn estimate(
+        &self,
+        scene: &Scene,
+        solved: &Solved,
+        detail: Detail,
+        observer: &mut dyn Observer,
+    ) -> Estimate {
+        tree::estimate(scene, self.sketch, solved, detail, observer)
     }
 
     fn problem(&self, scene: &Scene) -> (TreeProblem, Vec<(f64, TreeState)>) {
@@ -108,10 +125,9 @@ impl TriedField<'_> {
         &self,
         scene: Scene,
         solved: Solved,
-        detail: Detail,
+        mut estimate: Estimate,
         observer: &mut dyn Observer,
     ) -> Tried {
-        let mut estimate = tree::estimate(&scene, self.sketch, &solved, detail, observer);
         let found = verify::joined::check_until(
             &scene,
             self.sketch,
@@ -135,7 +151,6 @@ impl TriedField<'_> {
             verification,
             solved,
             evidence: OnceCell::new(),
-            detail,
         }
     }
 }

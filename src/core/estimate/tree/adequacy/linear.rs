@@ -298,10 +298,11 @@ fn priors(problem: &TreeProblem, point: &TreePoint) -> Vec<Prior> {
     let line = &point.time_line(problem);
     let times = problem.events.iter().zip(&point.event_times_s).enumerate();
     let times = times.filter_map(|(index, (event, time_s))| {
-        let [mark_s, sd_s] = event.mark_s?;
+        let mark = event.mark?;
+        let sd_s = mark.counted_sd_s();
         let (acted_s, by) = line.acted_by(problem, index, *time_s);
         let by = by.into_iter().map(|(at, by)| (at, by / sd_s));
-        Some(((acted_s - mark_s) / sd_s, by.collect()))
+        Some(((acted_s - mark.acted_s) / sd_s, by.collect()))
     });
     let tempo = problem.tempo.iter().flat_map(|tempo| {
         let pairs = point.log_paces.windows(2).enumerate();

@@ -12,8 +12,12 @@ use crate::estimate::tree::program::REGULARISER;
 use crate::estimate::wander::Process;
 use crate::estimate::wander::likelihood::{FittedErrors, Restricted};
 use crate::estimate::wander::series::SeriesRows;
+use crate::estimate::wander::wrong::without_wander;
 use crate::optimise::Solution;
 use crate::optimise::active::ActiveSet;
+
+/// Deviations of chance beyond which residuals are greater than noise.
+const CHANCES: f64 = 3.0;
 
 /// A solution and what is told of it.
 pub(in crate::estimate::tree) struct Linearised<'s> {
@@ -54,6 +58,20 @@ impl<'s> Linearised<'s> {
         let columns = self.columns(&[]);
         let (rows, priors) = self.rows(&columns);
         self.restricted(&rows, &priors).fitted(from)
+    }
+
+    /// Whether residuals are greater than the noise of the likeliest errors makes them, by more than chance.
+    pub(in crate::estimate::tree) fn shows_hand(&self) -> bool {
+        let columns = self.columns(&[]);
+        let (rows, priors) = self.rows(&columns);
+        let restricted = self.restricted(&rows, &priors);
+        let fitted = restricted.fitted(&[Process::EXPECTED; 2]);
+        let noise = fitted.and_then(|of| restricted.at(&without_wander(&of.processes)));
+        let freedom = (3 * rows.samples()) as f64 - restricted.free as f64;
+        noise.is_some_and(|noise| {
+            let square = noise.left[(0, 0)];
+            square > (1.0 + CHANCES * (4.0 / freedom.max(1.0)).sqrt()) * freedom && freedom > 0.0
+        })
     }
 
     /// Derivatives along what rows leave free, then further columns, then residuals.
