@@ -12,7 +12,8 @@ use super::skeleton::Skeleton;
 use super::{topics, trails, urdf};
 use crate::motion::{LinkIndex, PoseSample, Stamp};
 use crate::report::{
-    DEVIATION_SCHEMA, DeviationMessage, EstimateMessage, Provenance, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMapMessage, json,
+    DEVIATION_SCHEMA, DeviationMessage, EstimateMessage, Provenance, REPORT_SCHEMA, Reported,
+    TIME_MAP_SCHEMA, TimeMapMessage, json,
 };
 use crate::sampling::{self, SampledMotion};
 use crate::visual::patches;

@@ -126,7 +126,9 @@ fn less_noise_makes_smaller_deviations() {
         let case = white(Style::Tip, noise, 3);
         let outcome = case.estimated(&mut ()).unwrap();
         let told = of_outcome(&case, &outcome);
-        let totals = told.iter().map(|of| of.deviation.totals().map(Option::unwrap));
+        let totals = told
+            .iter()
+            .map(|of| of.deviation.totals().map(Option::unwrap));
         totals.collect::<Vec<_>>()
     };
     for (coarse, fine) in totals(2.0).iter().zip(totals(0.5)) {

@@ -46,7 +46,15 @@ fn said(share: f64) -> Said {
         fs::read_to_string(folder.path().join(name)).expect("a file")
     };
     let table = made(
-        &["export", "x.estimate.mcap", "--to", "csv", "--ghost", "-o", "x.csv"],
+        &[
+            "export",
+            "x.estimate.mcap",
+            "--to",
+            "csv",
+            "--ghost",
+            "-o",
+            "x.csv",
+        ],
         "x.csv",
     );
     let rows = table.lines().filter(|line| !line.starts_with('#'));
@@ -115,12 +123,17 @@ fn files_agree_and_less_noise_makes_smaller_deviations() {
         assert_eq!(flights.len(), 2, "{}", said.line["certainty"]);
         assert!(said.messages.len() > 50, "{}", said.messages.len());
         for (part, name) in LINES.iter().enumerate() {
-            let largest = flights.iter().map(|flight| number(&flight[name]["largest"]));
+            let largest = flights
+                .iter()
+                .map(|flight| number(&flight[name]["largest"]));
             let largest = largest.fold(0.0, f64::max);
             let along = said.messages.iter().map(|message| total(message, part));
             let along = along.fold(0.0, f64::max);
             // Lines look at 21 instants of a flight, messages at all poses.
-            assert!((along / largest - 1.0).abs() < 0.03, "{name}: {along}, {largest}");
+            assert!(
+                (along / largest - 1.0).abs() < 0.03,
+                "{name}: {along}, {largest}"
+            );
             for flight in flights {
                 let median = number(&flight[name]["median"]);
                 assert!(median <= number(&flight[name]["largest"]));
@@ -169,7 +182,9 @@ fn assert_table(said: &Said) {
         };
         if let Some(message) = said.messages.iter().find(is_it) {
             same += 1;
-            let all = PARTS.iter().flat_map(|part| message[part].as_array().expect("three"));
+            let all = PARTS
+                .iter()
+                .flat_map(|part| message[part].as_array().expect("three"));
             let all: Vec<f64> = all.map(number).collect();
             assert_eq!(all, sds);
         }

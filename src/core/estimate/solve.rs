@@ -155,8 +155,7 @@ impl Solved {
         let context = posed.context(epochs_s, &solution.point);
         // Without time for them nothing is told to be determined.
         let errors = (!observer.should_stop()).then_some(errors.as_slice());
-        let covariance =
-            deviation::fill(&mut estimate, scene, &context, &solution, errors);
+        let covariance = deviation::fill(&mut estimate, scene, &context, &solution, errors);
         if let Some(covariance) = covariance.filter(|_| which == Deviations::OfMotion) {
             deviation::fill_flights(&mut estimate, &context, &solution.point, &covariance);
         }

@@ -132,14 +132,18 @@ impl FlightCertainty {
     ) -> StateDeviation {
         let is_wanted = Wanted {
             by_drag: self.acting.iter().any(|by| by.drag != [0.0; 2]),
-            by_moments: self.acting.iter().any(|by| by.log_moments != Vector3::zeros()),
+            by_moments: self
+                .acting
+                .iter()
+                .any(|by| by.log_moments != Vector3::zeros()),
         };
         let flown = Flown::new(body, gravity_m_s2, state, duration_s, is_wanted);
         let then = flown.state();
         let frame = FrameRows::new(&then, body_from_frame);
         let by_state = frame.by_state * flown.by_state();
         let by_acting = self.acting.iter();
-        let by_acting = by_acting.map(|change| frame.by_state * change.of(&flown) + frame.by(change));
+        let by_acting =
+            by_acting.map(|change| frame.by_state * change.of(&flown) + frame.by(change));
         let by_acting: Vec<StateTangent> = by_acting.collect();
         let sds: [Option<f64>; 12] = std::array::from_fn(|row| {
             let by_state = by_state.row(row);

@@ -169,7 +169,11 @@ pub fn motion_at(motion: &WrittenMotion, link: LinkIndex, at: Stamp) -> Option<P
 
 /// How certain a body is at a time: between the two poses of one flight next to it, in proportion; `None` where the file
 /// does not say it.
-pub fn deviation_at(motion: &WrittenMotion, link: LinkIndex, at: Stamp) -> Option<DeviationMessage> {
+pub fn deviation_at(
+    motion: &WrittenMotion,
+    link: LinkIndex,
+    at: Stamp,
+) -> Option<DeviationMessage> {
     let told = motion.deviations.get(link)?;
     let after = told.partition_point(|of| of.stamp().0 < at.0 - SAME_NS);
     let near = told.get(after)?;
@@ -178,7 +182,11 @@ pub fn deviation_at(motion: &WrittenMotion, link: LinkIndex, at: Stamp) -> Optio
     }
     let before = &told[after.checked_sub(1)?];
     // At an event it is that of the flight before.
-    if motion.events.iter().any(|(event, _)| *event == before.stamp()) {
+    if motion
+        .events
+        .iter()
+        .any(|(event, _)| *event == before.stamp())
+    {
         return Some(*near);
     }
     let share = at.seconds_since(before.stamp()) / near.stamp().seconds_since(before.stamp());

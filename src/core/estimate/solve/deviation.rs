@@ -112,7 +112,8 @@ fn certainty(
 ) -> FlightCertainty {
     let (problem, layout) = (context.problem, context.layout);
     let gravity = problem.gravity_parameters.iter().enumerate();
-    let gravity = gravity.filter_map(|(axis, parameter)| Some((Influence::Pull(axis), (*parameter)?)));
+    let gravity =
+        gravity.filter_map(|(axis, parameter)| Some((Influence::Pull(axis), (*parameter)?)));
     let own = problem.arcs[arc].acting.iter();
     let own = own.map(|acting| (acting.influence, acting.parameter));
     let mut acting: BTreeMap<usize, FlightChange> = BTreeMap::new();
