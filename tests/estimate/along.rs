@@ -205,3 +205,26 @@ fn previews_have_none() {
         assert_eq!(arc.certainty, None);
     }
 }
+
+/// A goal of a pose at a given time leaves nothing open of it, though no sample tells that.
+#[test]
+fn what_a_goal_holds_is_exact_and_not_unknown() {
+    let mut case = white(Style::Tip, 1.0, 0);
+    case.performance.truth.scene.events[1].time.is_free = Some(false);
+    let outcome = case.estimated(&mut ()).unwrap();
+    assert_eq!(outcome.estimate.verdict, Verdict::Physical);
+    let told = of_outcome(&case, &outcome);
+    let (start, end) = (&told[INSTANTS], &told[2 * INSTANTS - 1]);
+    for part in [0, 1] {
+        for axis in 0..3 {
+            let [at_start, at_end] = [start, end].map(|told| told.deviation.parts()[part][axis]);
+            let (at_start, at_end) = (at_start.expect("told"), at_end.expect("held"));
+            assert!(
+                at_start > 1e-5 && at_end < 1e-2 * at_start,
+                "{at_start} {at_end}"
+            );
+        }
+    }
+    let velocities = end.deviation.velocity_m_s.map(|sd| sd.expect("told"));
+    assert!(velocities.iter().all(|sd| *sd > 1e-5), "{velocities:?}");
+}

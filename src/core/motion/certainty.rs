@@ -7,7 +7,7 @@
 //! Times count from the first sample used. Near an impact the state is that of the flight, continued: when the impact is
 //! has a deviation of its own.
 
-use nalgebra::{DMatrix, DVector, SMatrix, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
 
 use crate::math::{Pose, so3};
 use crate::physics::flow::{Flown, Wanted};
@@ -18,6 +18,8 @@ use crate::physics::{Body, State};
 const DAMPING_SHARE_MAX: f64 = 0.1;
 /// Least share of it from samples, marks and wishes, or the performance does not determine it: less is rounding.
 const INFORMED_SHARE_MIN: f64 = 1e-4;
+/// A sum that varies by less than this share of what its unknowns would by themselves is held by constraints.
+const HELD_SHARE: f64 = 1e-6;
 
 /// The variance of a sum of unknowns by where it is from, or, as symmetric matrices, of every sum.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,14 +51,20 @@ impl Variance<f64> {
 }
 
 impl Variance<DMatrix<f64>> {
-    /// That of one sum of the unknowns.
+    /// That of one sum of the unknowns. What constraints hold is told, though no sample tells it.
     pub fn of(&self, sum: &DVector<f64>) -> Variance<f64> {
         let square = |form: &DMatrix<f64>| sum.dot(&(form * sum));
+        let (whole, known) = (square(&self.whole), square(&self.known));
+        let own = self.whole.diagonal().component_mul(sum).dot(sum);
+        let is_held = whole <= HELD_SHARE * own;
         Variance {
-            whole: square(&self.whole),
+            informed: match is_held {
+                true => known,
+                false => square(&self.informed),
+            },
             damped: square(&self.damped),
-            informed: square(&self.informed),
-            known: square(&self.known),
+            whole,
+            known,
             // Of what is exact rounding may leave less than nothing.
             errors: square(&self.errors).max(0.0),
             priors: square(&self.priors),
@@ -181,7 +189,7 @@ impl FlightChange {
 /// body, `x + R r` and `v + R (ω × r)`, and of turns and angular velocity in its own axes.
 struct FrameRows {
     by_state: SMatrix<f64, 12, 12>,
-    world_from_body: nalgebra::Matrix3<f64>,
+    world_from_body: Matrix3<f64>,
     omega: Vector3<f64>,
 }
 
@@ -194,7 +202,7 @@ impl FrameRows {
         let lever = -(world_from_body * so3::hat(&r));
         let swept = -(world_from_body * so3::hat(&omega.cross(&r)));
         let mut by_state = SMatrix::<f64, 12, 12>::identity();
-        let mut set = |row: usize, column: usize, block: &nalgebra::Matrix3<f64>| {
+        let mut set = |row: usize, column: usize, block: &Matrix3<f64>| {
             by_state
                 .fixed_view_mut::<3, 3>(row, column)
                 .copy_from(block);
