@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::input::Page;
 use super::strobe::{Size, Strobe};
 use super::svg::escaped;
-use super::{advice, checks, events, parameters, residuals, time_map, verdict};
+use super::{advice, certainty, checks, events, parameters, residuals, time_map, verdict};
 use crate::motion::Timing;
 use crate::report::{EstimateMessage, EstimateReport, ExportProvenance};
 use crate::visual::View;
@@ -71,6 +71,11 @@ pub fn html(page: &Page) -> Result<String, PageError> {
         &format!("<ol class=\"next\">{}</ol>", next.collect::<String>()),
     );
     section(&mut text, "Events", &events::events(report));
+    section(
+        &mut text,
+        "How certain the motion is",
+        &certainty::certainty(report),
+    );
     section(
         &mut text,
         "Distance from the samples",

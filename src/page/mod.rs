@@ -6,6 +6,7 @@
 //! Whatever a file calls its bodies and events is escaped.
 
 mod advice;
+mod certainty;
 mod chart;
 mod checks;
 mod events;

@@ -42,6 +42,7 @@ fn motion() -> (Scene, WrittenMotion) {
         simulated_from: None,
         parameters: Vec::new(),
         estimates: sampled.estimates,
+        deviations: Default::default(),
         sketches: sampled.sketches,
     };
     (scene, motion)

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::certainty::{CertaintyLine, certainty_lines};
 use super::checks::CheckLine;
 use super::diagnoses::DiagnosisLine;
 use super::doubts::DoubtLine;
@@ -77,6 +78,8 @@ pub struct EstimateReport {
     pub residual_deg: f64,
     /// How well each arc fits.
     pub segments: Vec<SegmentLine>,
+    /// How certain each flight is, where that is known.
+    pub certainty: Vec<CertaintyLine>,
     /// Bodies in the hand.
     pub held: Vec<HeldLine>,
     /// Names of what the performance does not determine.
@@ -126,6 +129,7 @@ impl EstimateReport {
             residual_mm: position_m * 1e3,
             residual_deg: orientation_rad.to_degrees(),
             segments: segment_lines(scene, estimate),
+            certainty: certainty_lines(scene, estimate),
             held: held_lines(of),
             undetermined: undetermined_names(scene, estimate),
             verification: of.verification.map(|found| CheckLine::new(scene, found)),

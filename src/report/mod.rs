@@ -13,6 +13,7 @@
 //! bind, a deviation that nothing determines) are `null` in JSON. [`EstimateMessage::read`] reads it back, of any
 //! version.
 
+pub mod certainty;
 pub mod checks;
 pub mod diagnoses;
 pub mod doubts;
@@ -38,6 +39,7 @@ mod tests;
 pub mod time_map;
 pub mod units;
 
+pub use certainty::{AlongLine, CertaintyLine, DEVIATION_SCHEMA, DeviationMessage};
 pub use checks::{BalanceLine, CheckLine, DeviationLine, OverlapLine, ShotLine, TouchLine};
 pub use diagnoses::DiagnosisLine;
 pub use doubts::{DoubtLine, gravest};

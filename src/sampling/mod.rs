@@ -2,15 +2,17 @@
 //! streams are made. Nothing here knows in what they are written.
 //!
 //! [`SampledMotion`] has all of a motion: the estimated flights and what is simulated after them, and
-//! the performance at its physical times. [`frames`] makes them body by body, [`joints`] has the angles of
+//! the performance at its physical times. [`frames`] makes them body by body, [`deviations`] says how certain they are, [`joints`] has the angles of
 //! bodies that are joined, joint by joint as [`hinges`].
 
+pub mod deviations;
 pub mod error;
 pub mod frames;
 pub mod hinges;
 pub mod joints;
 pub mod motion;
 
+pub use deviations::{DeviationSample, deviation_frames};
 pub use error::SamplingError;
 pub use frames::{estimate_frames, make_signs_continuous, sketch_frames, stamp, zero};
 pub use hinges::{hinge_angles, hinge_axes};

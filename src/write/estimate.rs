@@ -12,7 +12,8 @@ use super::skeleton::Skeleton;
 use super::{topics, trails, urdf};
 use crate::motion::{LinkIndex, PoseSample, Stamp};
 use crate::report::{
-    EstimateMessage, Provenance, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMapMessage, json,
+    DEVIATION_SCHEMA, DeviationMessage, EstimateMessage, Provenance, REPORT_SCHEMA, Reported,
+    TIME_MAP_SCHEMA, TimeMapMessage, json,
 };
 use crate::sampling::{self, SampledMotion};
 use crate::visual::patches;
@@ -131,6 +132,7 @@ impl<'a> Composer<'a> {
         for (index, link) in self.file.of.scene.links.iter_enumerated() {
             let (topic, samples) = (topics::estimate_pose(&link.name), &self.motion.estimates);
             self.add_poses(&topic, &samples[index])?;
+            self.add_deviations(index);
             let (topic, samples) = (topics::sketch_pose(&link.name), &self.motion.sketches);
             self.add_poses(&topic, &samples[index])?;
         }
@@ -153,6 +155,24 @@ impl<'a> Composer<'a> {
             self.push(channel, sample.stamp, data);
         }
         Ok(())
+    }
+
+    fn add_deviations(&mut self, link: LinkIndex) {
+        let Reported {
+            scene, estimate, ..
+        } = self.file.of;
+        let poses = &self.motion.estimates[link];
+        let samples = sampling::deviation_frames(scene, estimate, link, poses, self.motion.zero);
+        if samples.is_empty() {
+            return;
+        }
+        let topic = topics::estimate_deviation(&scene.links[link].name);
+        let format = self.dialect.json("enact.Deviation", DEVIATION_SCHEMA);
+        let channel = self.channel(&topic, format);
+        for sample in samples {
+            let message = DeviationMessage::new(sample.stamp, &sample.deviation);
+            self.push(channel, sample.stamp, self.dialect.json_of(json(&message)));
+        }
     }
 
     /// One message per instant, of all frames that have a pose there.

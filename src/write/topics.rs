@@ -3,6 +3,7 @@
 //! | topic | schema | what |
 //! |---|---|---|
 //! | `/estimate/<body>/pose` | `foxglove.PoseInFrame` | the motion, on a frame grid and exactly at events; after its end what was simulated |
+//! | `/estimate/<body>/deviation` | `enact.Deviation` (JSON) | how certain pose and velocities of the motion are, at its poses; only of bodies that fly alone |
 //! | `/sketch/<body>/pose` | `foxglove.PoseInFrame` | the performance, in body axes, at its physical times |
 //! | `/tf` | `foxglove.FrameTransforms` | both, as frames `<body>_estimate` and `<body>_sketch`, and the frames of joints |
 //! | `/estimate/joints` | `foxglove.JointStates` | angles and rates of joints, at the frames of the motion; only where bodies are joined |
@@ -55,6 +56,11 @@ const OURS: (&str, &str) = ("enact", "estimate");
 /// Topic of a body's estimated poses.
 pub fn estimate_pose(body: &str) -> String {
     format!("/estimate/{body}/pose")
+}
+
+/// Topic of how certain a body's estimated poses are.
+pub fn estimate_deviation(body: &str) -> String {
+    format!("/estimate/{body}/deviation")
 }
 
 /// Topic of a body's performed poses.

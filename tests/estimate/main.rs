@@ -1,6 +1,7 @@
 //! Motions of bodies from performances: exact, robust, certain, with goals of every kind.
 
 mod accuracy;
+mod along;
 mod brief_flights;
 mod covariance;
 mod cube_toss;

@@ -303,7 +303,8 @@ fn a_table_has_the_poses_by_frame_and_goes_through_a_pipe() {
         from.starts_with("# estimated by enact ") && from.contains("from \"pencil_tip.mcap\""),
         "{from}"
     );
-    let header = "t_s,stamp_ns,body,motion,event,x_m,y_m,z_m,qw,qx,qy,qz";
+    let header = "t_s,stamp_ns,body,motion,event,x_m,y_m,z_m,qw,qx,qy,qz,sd_x_m,sd_y_m,sd_z_m,\
+        sd_turn_x_rad,sd_turn_y_rad,sd_turn_z_rad,sd_vx_m_s,sd_vy_m_s,sd_vz_m_s,sd_wx_rad_s,sd_wy_rad_s,sd_wz_rad_s";
     assert_eq!(lines.next(), Some(header));
     let (estimate, acted) = (
         made.poses("/estimate/pencil/pose"),
@@ -329,7 +330,7 @@ fn a_table_has_the_poses_by_frame_and_goes_through_a_pipe() {
                 &estimate
             }
         };
-        let read: Vec<f64> = cells[5..]
+        let read: Vec<f64> = cells[5..12]
             .iter()
             .map(|of| of.parse().expect("number"))
             .collect();

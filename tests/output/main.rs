@@ -1,5 +1,6 @@
 //! What goes out: exports, reports, predictions.
 
+mod certainty;
 mod files;
 mod predict;
 mod problem;

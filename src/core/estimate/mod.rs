@@ -36,4 +36,4 @@ pub use covariance::whitened::Whitened;
 pub use schedule::recipe::Recipe;
 pub use solve::bound::{Bound, Part};
 pub use solve::last::LastState;
-pub use solve::{Solved, cost, estimate};
+pub use solve::{Deviations, Solved, cost, estimate};

@@ -276,6 +276,7 @@ fn arcs(
                     Some(event) => events[event].time_s,
                     None => times(index).reduce(f64::max).unwrap_or(start_s),
                 },
+                certainty: None,
             }
         })
         .collect();

@@ -138,7 +138,12 @@ impl Solved {
     }
 
     /// The estimate with its standard deviations and the list of undetermined quantities.
-    pub fn with_deviations(self, scene: &Scene, observer: &mut dyn Observer) -> Estimate {
+    pub fn with_deviations(
+        self,
+        scene: &Scene,
+        which: Deviations,
+        observer: &mut dyn Observer,
+    ) -> Estimate {
         observer.phase(Phase::Covariance);
         let Self {
             mut estimate,
@@ -150,9 +155,21 @@ impl Solved {
         let context = posed.context(epochs_s, &solution.point);
         // Without time for them nothing is told to be determined.
         let errors = (!observer.should_stop()).then_some(errors.as_slice());
-        deviation::fill(&mut estimate, scene, &context, &solution, errors);
+        let covariance = deviation::fill(&mut estimate, scene, &context, &solution, errors);
+        if let Some(covariance) = covariance.filter(|_| which == Deviations::OfMotion) {
+            deviation::fill_flights(&mut estimate, &context, &solution.point, &covariance);
+        }
         estimate
     }
+}
+
+/// Of what standard deviations are told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Deviations {
+    /// Of times and parameters.
+    OfNumbers,
+    /// Of the states along flights, too.
+    OfMotion,
 }
 
 /// Solves from each guess and keeps the best: the lowest objective of those that converged.

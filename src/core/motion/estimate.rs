@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::certainty::{FlightCertainty, StateDeviation};
 use super::contact_rival::ContactRival;
 use super::doubt::Doubt;
 use super::fit::{Fit, FitUntold, Fits};
@@ -10,7 +11,7 @@ use super::index::{LinkIndex, MechanismIndex, TrackIndex};
 use super::joined::TreeEstimate;
 use super::reason::{End, Reason};
 use super::sample_time::SampleTime;
-use super::scene::Quantity;
+use super::scene::{Quantity, Scene};
 use super::suspect::Suspect;
 use super::verdict::Verdict;
 use crate::physics::State;
@@ -28,6 +29,29 @@ pub struct ArcEstimate {
     pub start_s: f64,
     /// Physical time at which it ends \[s\].
     pub end_s: f64,
+    /// How certain it is; `None` where that was not computed.
+    pub certainty: Option<FlightCertainty>,
+}
+
+impl ArcEstimate {
+    /// How certain pose and velocities at a time are, of the frame in which the scene gives what flies; `None` where that
+    /// was not computed. Beyond its ends the flight is continued.
+    pub fn deviation(
+        &self,
+        scene: &Scene,
+        gravity_m_s2: &Vector3<f64>,
+        time_s: f64,
+    ) -> Option<StateDeviation> {
+        let certainty = self.certainty.as_ref()?;
+        let link = scene.mechanisms[self.mechanism].links().next()?;
+        Some(certainty.deviation(
+            scene.body_of(self.mechanism),
+            gravity_m_s2,
+            &self.state,
+            time_s - self.epoch_s,
+            &scene.links[link].link_from_given,
+        ))
+    }
 }
 
 /// Remaining violations of the constraints at an event, the largest of each kind.

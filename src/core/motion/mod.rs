@@ -1,9 +1,10 @@
 //! The data that the stages exchange: the trackers' readings ([`take`]), the scene ([`scene`]), the
-//! performance as the estimator sees it ([`sketch`]), the result ([`estimate`]), the checks of it
+//! performance as the estimator sees it ([`sketch`]), the result ([`estimate`]), how certain it is ([`certainty`]), the checks of it
 //! ([`verification`]), doubts about it ([`doubt`]), likely mistakes in what
 //! is said of it ([`diagnosis`]), its continuation ([`settled`]) and how it ends ([`rest`]), free flights in a path
 //! ([`mod@fall`]), and the observer of a run ([`observe`]).
 
+pub mod certainty;
 pub mod contact_rival;
 pub mod diagnosis;
 pub mod doubt;
@@ -35,6 +36,7 @@ pub mod time_map;
 pub mod verdict;
 pub mod verification;
 
+pub use certainty::{FlightCertainty, FlightChange, StateDeviation, Variance};
 pub use contact_rival::{ContactRival, Standing};
 pub use diagnosis::{
     Diagnosis, Distance, LengthUnit, MountSlip, QuaternionSlip, Remedy, SignedAxis,

@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::infer::Inferred;
 use super::search::SearchWork;
 use super::spread::spread;
-use crate::estimate::LastState;
+use crate::estimate::{Deviations, LastState};
 use crate::motion::{
     About, Diagnosis, Doubt, Estimate, Observer, Phase, Place, Rest, RestWork, SampleCounts, Scene,
     Settled, Sketch, Suspect, Verdict, Verification,
@@ -73,10 +73,11 @@ impl Outcome {
         marks_made_s: Vec<Option<f64>>,
         sketch: Sketch,
         counts: SampleCounts,
+        which: Deviations,
         observer: &mut dyn Observer,
     ) -> Self {
         let given = inferred.scene;
-        let mut estimate = inferred.solved.with_deviations(&given, observer);
+        let mut estimate = inferred.solved.with_deviations(&given, which, observer);
         estimate.is_rivalled_by(inferred.rivals);
         let scene = given.as_estimated(&estimate);
         Self {

@@ -6,7 +6,7 @@ use super::follow::follow;
 use super::infer::Inferred;
 use super::outcome::{Outcome, PipelineError};
 use super::stages::{Cut, account, cut, solve};
-use crate::estimate::Solved;
+use crate::estimate::{Deviations, Solved};
 use crate::motion::{
     Doubt, GoalTarget, Observer, Performance, Phase, Sample, SampleCounts, Scene, Segment, Sketch,
     TakeEvent, TrackIndex,
@@ -84,6 +84,7 @@ impl Performed {
             self.marks_made_s,
             self.sketch,
             self.counts,
+            Deviations::OfMotion,
             observer,
         )
     }

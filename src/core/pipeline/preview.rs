@@ -20,7 +20,7 @@ use super::outcome::{Outcome, PipelineError};
 use super::sound::is_sound;
 use super::stages::{account, cut, doubts, solve};
 use super::warm::{self, Known};
-use crate::estimate::{self, Recipe, Solved};
+use crate::estimate::{self, Deviations, Recipe, Solved};
 use crate::motion::{
     Estimate, EventKind, Observer, Phase, Scene, Segment, Sketch, TakeEvent, Verdict,
 };
@@ -151,7 +151,14 @@ impl Preview {
         follow(&mut sketch, &mut cut, &mut inferred, observer);
         account(&self.scene, &sketch, &cut.segments, &mut counts);
         let (segments, solved) = (cut.segments.clone(), inferred.solved.estimate.verdict);
-        let mut outcome = Outcome::unchecked(inferred, cut.marks_made_s, sketch, counts, observer);
+        let mut outcome = Outcome::unchecked(
+            inferred,
+            cut.marks_made_s,
+            sketch,
+            counts,
+            Deviations::OfNumbers,
+            observer,
+        );
         let doubts = doubts(&outcome);
         outcome.estimate.doubt(doubts);
         let last = self.last.insert(Last {

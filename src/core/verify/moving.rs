@@ -121,6 +121,7 @@ fn between_collisions(
         state: held.state(pair[0]),
         start_s: pair[0],
         end_s: pair[1],
+        certainty: None,
     });
     pieces.collect()
 }

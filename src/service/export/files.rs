@@ -29,13 +29,7 @@ pub(super) fn files(
             )]
         }
         ExportFormat::Csv => {
-            let text = csv(
-                scene,
-                bodies,
-                motion.zero,
-                motion.simulated_from,
-                provenance,
-            );
+            let text = csv(scene, bodies, motion, provenance);
             vec![(String::new(), text.into_bytes())]
         }
         ExportFormat::Tum => {

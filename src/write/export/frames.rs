@@ -6,6 +6,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3, Vector4};
 
 use super::motion::WrittenMotion;
 use crate::motion::{LinkIndex, PoseSample, Scene, Stamp};
+use crate::report::DeviationMessage;
 use crate::sampling::{make_signs_continuous, stamp};
 
 /// How far the stamp of a pose may be from that of a frame which it is \[ns\]: both are rounded.
@@ -166,6 +167,32 @@ pub fn motion_at(motion: &WrittenMotion, link: LinkIndex, at: Stamp) -> Option<P
     is_within.then(|| pose_at(motion, samples, at))
 }
 
+/// How certain a body is at a time: between the two poses of one flight next to it, in proportion; `None` where the file
+/// does not say it.
+pub fn deviation_at(
+    motion: &WrittenMotion,
+    link: LinkIndex,
+    at: Stamp,
+) -> Option<DeviationMessage> {
+    let told = motion.deviations.get(link)?;
+    let after = told.partition_point(|of| of.stamp().0 < at.0 - SAME_NS);
+    let near = told.get(after)?;
+    if (near.stamp().0 - at.0).abs() <= SAME_NS {
+        return Some(*near);
+    }
+    let before = &told[after.checked_sub(1)?];
+    // At an event it is that of the flight before.
+    if motion
+        .events
+        .iter()
+        .any(|(event, _)| *event == before.stamp())
+    {
+        return Some(*near);
+    }
+    let share = at.seconds_since(before.stamp()) / near.stamp().seconds_since(before.stamp());
+    Some(before.towards(near, share, at))
+}
+
 /// Where a body was acted at a physical time, between the two samples next to it; `None` where they are farther
 /// apart than that.
 pub fn acted_at(
@@ -283,6 +310,7 @@ mod tests {
             simulated_from: None,
             parameters: Vec::new(),
             estimates: Default::default(),
+            deviations: Default::default(),
             sketches: Default::default(),
         };
         (motion, samples)

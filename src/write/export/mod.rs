@@ -17,7 +17,9 @@ pub mod tables;
 mod verdict;
 
 pub use bvh::bvh;
-pub use frames::{ExportedBody, Key, acted_at, exported_bodies, fastest_turn_rad_s, motion_at};
+pub use frames::{
+    ExportedBody, Key, acted_at, deviation_at, exported_bodies, fastest_turn_rad_s, motion_at,
+};
 pub use gltf::glb;
 pub use motion::{WrittenMotion, scene_of_estimate};
 pub use ros2::ros2;

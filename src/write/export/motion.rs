@@ -9,7 +9,7 @@ use super::super::error::WriteError;
 use super::super::estimate::{ESTIMATE_SCENE_NAME, SCENE_NAME};
 use super::super::topics;
 use crate::motion::{LinkIndex, PoseSample, Scene, Stamp};
-use crate::report::{EstimateMessage, Provenance};
+use crate::report::{DeviationMessage, EstimateMessage, Provenance};
 use crate::sampling::{make_signs_continuous, stamp};
 use crate::wire::{Container, DecodeError, PoseFormat, decode_text};
 
@@ -32,6 +32,8 @@ pub struct WrittenMotion {
     pub parameters: Vec<String>,
     /// The estimated motion; empty of a link without one.
     pub estimates: TiVec<LinkIndex, Vec<PoseSample>>,
+    /// How certain it is, at its poses; empty of a link of which the file does not say it.
+    pub deviations: TiVec<LinkIndex, Vec<DeviationMessage>>,
     /// The performance, at its physical times; empty of a link whose poses no tracker sees.
     pub sketches: TiVec<LinkIndex, Vec<PoseSample>>,
 }
@@ -51,6 +53,7 @@ pub fn scene_of_estimate(container: &Container) -> Option<&[u8]> {
 enum Has {
     Estimate(LinkIndex, PoseFormat),
     Sketch(LinkIndex, PoseFormat),
+    Deviation(LinkIndex),
     Report,
 }
 
@@ -62,6 +65,8 @@ impl WrittenMotion {
         let mut estimates: TiVec<LinkIndex, Vec<PoseSample>> =
             scene.links.iter().map(|_| Vec::new()).collect();
         let mut sketches = estimates.clone();
+        let mut deviations: TiVec<LinkIndex, Vec<DeviationMessage>> =
+            scene.links.iter().map(|_| Vec::new()).collect();
         let mut report: Option<(EstimateMessage, Vec<u8>)> = None;
         let mut walk = container.walk();
         while let Some(message) = walk.next_message() {
@@ -73,6 +78,9 @@ impl WrittenMotion {
                 Has::Report => report = Some(report_of(message.data).map_err(failed)?),
                 Has::Estimate(link, format) => {
                     estimates[link].push(sample(format, message.data).map_err(failed)?);
+                }
+                Has::Deviation(link) => {
+                    deviations[link].push(deviation_of(message.data).map_err(failed)?);
                 }
                 Has::Sketch(link, format) => {
                     sketches[link].push(sample(format, message.data).map_err(failed)?);
@@ -86,6 +94,9 @@ impl WrittenMotion {
             samples.sort_by_key(|sample| sample.stamp);
             samples.dedup_by_key(|sample| sample.stamp);
             make_signs_continuous(samples);
+        }
+        for deviations in &mut deviations {
+            deviations.sort_by_key(DeviationMessage::stamp);
         }
         let zero = message.time_map.physical_zero.unwrap_or_default().into();
         let report = message.report;
@@ -104,6 +115,7 @@ impl WrittenMotion {
             simulated_from: report.settled.map(|settled| stamp(zero, settled.from_s)),
             parameters: parameters.into_iter().collect(),
             estimates,
+            deviations,
             sketches,
         })
     }
@@ -131,6 +143,8 @@ fn channels<'a>(container: &'a Container, scene: &Scene) -> BTreeMap<u16, (&'a s
                 links.find_map(|(link, of)| {
                     if topic == topics::estimate_pose(&of.name) {
                         Some(Has::Estimate(link, format()?))
+                    } else if topic == topics::estimate_deviation(&of.name) {
+                        Some(Has::Deviation(link))
                     } else if topic == topics::sketch_pose(&of.name) {
                         Some(Has::Sketch(link, format()?))
                     } else {
@@ -168,6 +182,11 @@ fn report_of(data: &[u8]) -> Result<(EstimateMessage, Vec<u8>), DecodeError> {
         Some((what, _)) => Err(DecodeError::Missing(what)),
         None => Ok((message, json)),
     }
+}
+
+fn deviation_of(data: &[u8]) -> Result<DeviationMessage, DecodeError> {
+    let message = DeviationMessage::read(&json_of(data)?);
+    message.map_err(|error| DecodeError::Json(error.to_string()))
 }
 
 fn sample(format: PoseFormat, data: &[u8]) -> Result<PoseSample, DecodeError> {

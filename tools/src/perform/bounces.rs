@@ -368,6 +368,7 @@ impl Bouncer {
                 state: hop.state,
                 start_s,
                 end_s,
+                certainty: None,
             });
             start_s = end_s;
         }

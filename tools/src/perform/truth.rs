@@ -215,6 +215,7 @@ pub(super) fn arc(mechanism: MechanismIndex, state: State, start_s: f64) -> ArcE
         state,
         start_s,
         end_s: f64::INFINITY,
+        certainty: None,
     }
 }
 

@@ -1,5 +1,7 @@
 //! Variances at an optimum.
 
+mod joint;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::bins::{Bins, Residuals, Six};
@@ -12,17 +14,13 @@ use crate::estimate::terms::objective::Objective;
 use crate::estimate::unknowns::point::Point;
 use crate::math::random::Random;
 use crate::math::span::Span;
+use crate::motion::Variance;
 use crate::optimise::active::ActiveSet;
 use crate::optimise::envelope::Envelope;
 use crate::optimise::kkt::{DAMPING, Kkt};
 use crate::optimise::{Program, System};
 use crate::physics::state;
 
-/// Greatest share of an unknown's information from the damping; above it, it is undetermined.
-const DAMPING_SHARE_MAX: f64 = 0.1;
-/// Least share of a quantity's information from samples and marks, or the performance does not
-/// determine it: less is rounding.
-const SEEN_SHARE_MIN: f64 = 1e-4;
 /// Directions tried beyond the number of unknowns less that of equalities: some rows may be
 /// dependent.
 const DIRECTIONS_MORE: usize = 2;
@@ -137,18 +135,19 @@ impl<'a> Covariance<'a> {
     /// Standard deviation of the quantity `mᵀu` with `answer = P m` and `own = mᵀ P m`; `None`
     /// where the performance does not determine it.
     pub fn sd_of_answer(&self, own: f64, answer: &DVector<f64>) -> Option<f64> {
-        let (seen, variance) = self.seen(answer);
+        let (seen, errors) = self.seen(answer);
         let (marks, beyond) = self.marks(answer);
-        // Written so that NaN is undetermined too.
-        let is_damped = !(self.kkt.damped(answer) < DAMPING_SHARE_MAX * own);
         // Curvature leads errors on to what it holds; it is not known better for that.
         let known = own - self.curvature(answer);
-        let wished = self.wished(answer);
-        if is_damped || seen + marks + wished < SEEN_SHARE_MIN * known {
-            return None;
-        }
-        let priors = (known - seen + beyond).max(0.0);
-        Some((variance + priors).sqrt())
+        let variance = Variance {
+            whole: own,
+            damped: self.kkt.damped(answer),
+            informed: seen + marks + self.wished(answer),
+            known,
+            errors,
+            priors: known - seen + beyond,
+        };
+        variance.sd()
     }
 
     /// Information of samples about an answer, and the variance that their errors make of it.

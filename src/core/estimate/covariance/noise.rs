@@ -139,6 +139,21 @@ impl Noise {
         }
     }
 
+    /// `K̄ y` of changes `y`, summed over bins.
+    pub(super) fn strayed(&self, sums: &[Six]) -> Vec<Six> {
+        let mut strayed = vec![[0.0; 6]; sums.len()];
+        for (kind, wander) in self.wander.iter().enumerate() {
+            for (row, strayed) in wander.chunks_exact(sums.len()).zip(&mut strayed) {
+                for (entry, sum) in row.iter().zip(sums) {
+                    for axis in 3 * kind..3 * kind + 3 {
+                        strayed[axis] += entry * sum[axis];
+                    }
+                }
+            }
+        }
+        strayed
+    }
+
     /// `yᵀ Σ y`: variance of the sum of all residuals, weighted by `trace`.
     pub fn variance(&self, trace: &Trace) -> f64 {
         let sums = &trace.sums;

@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 
-use crate::motion::{LinkIndex, MechanismIndex, Quantity, TrackIndex};
+use crate::motion::{FlightChange, LinkIndex, MechanismIndex, Quantity, TrackIndex};
 
 /// How a parameter acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,6 +90,26 @@ impl Acting {
 pub fn drag_is_free(acting: &[Acting]) -> bool {
     let mut influences = acting.iter().map(|acting| acting.influence);
     influences.any(|of| matches!(of, Influence::LinearDrag | Influence::QuadraticDrag))
+}
+
+impl Influence {
+    /// What a parameter of the given value changes of a flight or of what flies, per unit; `None` where it acts on
+    /// something else.
+    pub fn on_flight(self, value: f64) -> Option<FlightChange> {
+        let mut change = FlightChange::default();
+        match self {
+            Self::Pull(axis) => change.pull_m_s2[axis] = 1.0,
+            Self::LinearDrag => change.drag[0] = 1.0,
+            Self::QuadraticDrag => change.drag[1] = 1.0,
+            Self::Moment(axes) => {
+                change.log_moments =
+                    Vector3::from_fn(|axis, _| f64::from(u8::from(axes[axis])) / value);
+            }
+            Self::Centre(axis) => change.centre_m[axis] = 1.0,
+            _ => return None,
+        }
+        Some(change)
+    }
 }
 
 impl Quantity {

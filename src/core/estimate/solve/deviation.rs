@@ -1,22 +1,28 @@
 //! Standard deviations of an estimate, and quantities that the performance does not determine.
 
+use std::collections::BTreeMap;
+
 use crate::estimate::covariance::bins::Residuals;
 use crate::estimate::covariance::timing;
 use crate::estimate::covariance::{Covariance, Moment};
+use crate::estimate::problem::influence::Influence;
 use crate::estimate::schedule::recipe::Solution;
 use crate::estimate::terms::context::SolveContext;
-use crate::motion::{AtBound, Estimate, MotionPart, Scene, Undetermined};
+use crate::estimate::unknowns::point::Point;
+use crate::motion::{
+    AtBound, Estimate, FlightCertainty, FlightChange, MotionPart, Scene, Undetermined, Verdict,
+};
 
 /// Sets the standard deviations of events, duration and parameters of an estimate, `None` for fixed
 /// or undetermined ones, and lists what is undetermined. Where the matrix cannot be factorised,
-/// nothing is determined. `errors` are the residuals of the solution's samples.
-pub fn fill(
+/// nothing is determined. `errors` are the residuals of the solution's samples. Gives the covariance, if there is one.
+pub fn fill<'a>(
     estimate: &mut Estimate,
     scene: &Scene,
-    context: &SolveContext,
-    solution: &Solution,
+    context: &'a SolveContext<'a>,
+    solution: &'a Solution,
     found: Option<&[Residuals]>,
-) {
+) -> Option<Covariance<'a>> {
     let covariance = found.and_then(|errors| {
         Covariance::new(
             context,
@@ -73,6 +79,54 @@ pub fn fill(
     estimate.duration.sd_s = own_s.map(|own_s| own_s.hypot(contradiction_s));
     if !estimate.duration.is_determined() {
         estimate.undetermined.push(Undetermined::Duration);
+    }
+    covariance
+}
+
+/// Tells how certain the flights of a motion are.
+pub fn fill_flights(
+    estimate: &mut Estimate,
+    context: &SolveContext,
+    point: &Point,
+    covariance: &Covariance,
+) {
+    if estimate.verdict == Verdict::Failed {
+        return;
+    }
+    for (index, state) in point.arcs.iter().enumerate() {
+        let mechanism = context.problem.arcs[index].mechanism;
+        let mut flights = estimate.arcs.iter_mut();
+        let flight = flights.find(|arc| arc.mechanism == mechanism && arc.state == *state);
+        if let Some(flight) = flight {
+            flight.certainty = Some(certainty(context, point, covariance, index));
+        }
+    }
+}
+
+/// How certain a flight is, with what was estimated of what acts on it.
+fn certainty(
+    context: &SolveContext,
+    point: &Point,
+    covariance: &Covariance,
+    arc: usize,
+) -> FlightCertainty {
+    let (problem, layout) = (context.problem, context.layout);
+    let gravity = problem.gravity_parameters.iter().enumerate();
+    let gravity =
+        gravity.filter_map(|(axis, parameter)| Some((Influence::Pull(axis), (*parameter)?)));
+    let own = problem.arcs[arc].acting.iter();
+    let own = own.map(|acting| (acting.influence, acting.parameter));
+    let mut acting: BTreeMap<usize, FlightChange> = BTreeMap::new();
+    for (influence, parameter) in gravity.chain(own) {
+        if let Some(change) = influence.on_flight(point.parameters[parameter]) {
+            acting.insert(parameter, change);
+        }
+    }
+    let parameters = acting.keys().map(|parameter| layout.parameters[*parameter]);
+    let unknowns: Vec<usize> = layout.state(arc).chain(parameters).collect();
+    FlightCertainty {
+        variance: covariance.jointly(&unknowns),
+        acting: acting.into_values().collect(),
     }
 }
 

@@ -21,6 +21,7 @@ mod asymmetric;
 mod axial;
 mod fall;
 mod flight;
+mod flown;
 mod glide;
 #[cfg(test)]
 #[path = "../../../../tools/src/reference.rs"]
@@ -36,5 +37,6 @@ pub use asymmetric::moments::{SpinByMoments, TurnByMoments, turn_by_moments};
 pub(super) use axial::Precession;
 pub use fall::{Fall, Fallen};
 pub use flight::{advance, position, rate, velocity};
+pub use flown::{ByStates, Flown, Wanted};
 pub use turn::{Spin, turn};
 pub use turned::Turn;

@@ -218,6 +218,7 @@ mod tests {
             state,
             start_s: 0.0,
             end_s: 0.8,
+            certainty: None,
         };
         let residual = SegmentResidual {
             arc: 0,

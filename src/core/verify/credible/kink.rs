@@ -99,6 +99,7 @@ mod tests {
             },
             start_s,
             end_s: start_s + 0.045,
+            certainty: None,
         };
         let residual = SegmentResidual {
             arc: 0,

@@ -49,6 +49,7 @@ mod tests {
             },
             start_s: 0.2,
             end_s: 0.8,
+            certainty: None,
         };
         let residual = SegmentResidual {
             arc: 0,
