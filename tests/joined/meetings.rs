@@ -63,7 +63,6 @@ fn rough_sketches_meet_by_the_law() {
         for seed in 8110..8112 {
             let strike = meet(kind, &Acted::of(1.0), seed);
             let estimate = strike.finished().estimate;
-            eprintln!("DBG {kind:?} {seed} {:?} {:?}", estimate.verdict, estimate.doubts);
             if estimate.verdict != Verdict::Physical {
                 continue;
             }

@@ -170,7 +170,7 @@ fn a_wish_draws_as_much_as_it_weighs() {
         upper.z += 0.05;
         condition.sd = Some(sd_m);
         let estimate = finished(&wished).estimate;
-        eprintln!("DBG {sd_m} {:?} {:?}", estimate.verdict, estimate.doubts);
+        assert_eq!(estimate.verdict, Verdict::Physical, "{sd_m}");
         let attained = wished.scene.goals_attained(&estimate);
         off_m.push(attained[0].distance);
     }

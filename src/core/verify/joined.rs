@@ -26,8 +26,9 @@ use crate::motion::{
 };
 use crate::physics::tree::Snapshot;
 
-/// Greatest root mean square residual of a track, in units of its weights.
-const RESIDUAL: f64 = 3.0;
+/// Greatest root mean square residual of a track, in units of its weights: a usual hand strays by two, and a motion is farther from
+/// it where it need not follow it slowly.
+const RESIDUAL: f64 = 5.0;
 /// Greatest distance by halved steps \[m\].
 const STEPS_M: f64 = 1e-6;
 /// Greatest distance of a contact from touching at its impact \[m\],

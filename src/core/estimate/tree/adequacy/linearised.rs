@@ -16,8 +16,10 @@ use crate::estimate::wander::wrong::without_wander;
 use crate::optimise::Solution;
 use crate::optimise::active::ActiveSet;
 
-/// Deviations of chance beyond which residuals are greater than noise.
+/// Deviations of chance beyond which residuals are greater than noise,
 const CHANCES: f64 = 3.0;
+/// and how many residuals beyond what the motion may follow tell that.
+const TELLING: f64 = 20.0;
 
 /// A solution and what is told of it.
 pub(in crate::estimate::tree) struct Linearised<'s> {
@@ -70,7 +72,7 @@ impl<'s> Linearised<'s> {
         let freedom = (3 * rows.samples()) as f64 - restricted.free as f64;
         noise.is_some_and(|noise| {
             let square = noise.left[(0, 0)];
-            square > (1.0 + CHANCES * (4.0 / freedom.max(1.0)).sqrt()) * freedom && freedom > 0.0
+            freedom >= TELLING && square > (1.0 + CHANCES * (4.0 / freedom).sqrt()) * freedom
         })
     }
 
