@@ -65,7 +65,7 @@ pub(super) fn judge(
     for (at, direction) in further.iter().enumerate() {
         directions.set_column(count + at, direction);
     }
-    let linearised = LinearisedSolution::new(&extended, &point, &system, &directions, count);
+    let linearised = LinearisedSolution::new(&extended, &point, &directions, count, 0.0);
     let linearised = linearised.ok_or(FitUntold::FewSamples)?;
     let joint = rms(problem, errors);
     let asked = Asked {

@@ -35,21 +35,22 @@ pub(in crate::estimate) struct LinearisedSolution {
 }
 
 impl LinearisedSolution {
-    /// Along directions of the unknowns, a column each, of which the motion may go along the first `free`; `system` is that at the
-    /// point. `None` where samples do not err in time and where the parameters make no body.
+    /// Along directions of the unknowns, a column each, of which the motion may go along the first `free`, of samples at least
+    /// so far apart \[s\]. `None` where samples do not err in time and where the parameters make no body.
     pub(in crate::estimate) fn new(
         context: &SolveContext,
         point: &Point,
-        system: &System,
         directions: &DMatrix<f64>,
         free: usize,
+        apart_s: f64,
     ) -> Option<Self> {
         let weave = context.problem.weave.as_ref()?;
-        let (series, columns) = woven::rows(context, point, weave, directions)?;
-        let rows = SeriesRows::new(&series, &columns);
-        let of_samples = [0, 1].map(|kind| rows.products(kind, &weave.processes[kind]).gram);
-        let priors = products(context, system, directions) - &of_samples[0] - &of_samples[1];
-        Some(Self { rows, priors, free })
+        let (series, columns) = woven::rows(context, point, weave, directions, apart_s)?;
+        Some(Self {
+            rows: SeriesRows::new(&series, &columns),
+            priors: products(context, &context.without_samples(point), directions),
+            free,
+        })
     }
 
     /// What the motion may follow.
@@ -68,6 +69,11 @@ pub(in crate::estimate) fn free_count(context: &SolveContext, system: &System) -
     context.layout.size().saturating_sub(equalities(system))
 }
 
+/// Whether there are too many free directions for residuals to tell of their errors.
+pub(in crate::estimate) fn is_too_free(context: &SolveContext, system: &System) -> bool {
+    free_count(context, system) + DIRECTIONS_MORE > DIRECTIONS_MOST
+}
+
 /// Directions that constraints leave free at a solution, orthonormal in typical lengths, a column each; `None` where there are too
 /// many.
 pub(in crate::estimate) fn free_directions(
@@ -77,7 +83,7 @@ pub(in crate::estimate) fn free_directions(
 ) -> Option<DMatrix<f64>> {
     let size = context.layout.size();
     let free = free_count(context, system) + DIRECTIONS_MORE;
-    if free > DIRECTIONS_MOST {
+    if is_too_free(context, system) {
         return None;
     }
     let scale = context.damping().map(f64::sqrt);

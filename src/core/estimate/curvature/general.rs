@@ -14,6 +14,7 @@ use crate::estimate::terms::observed::{Observed, SampleObserver};
 use crate::estimate::terms::woven;
 use crate::estimate::unknowns::point::Point;
 use crate::optimise::envelope::Envelope;
+use crate::physics::state::part;
 
 /// Adds it.
 pub fn add(nudged: &mut Nudged, matrix: &mut Envelope) {
@@ -48,6 +49,8 @@ struct General<'a> {
     own: Vec<usize>,
     /// Parameters that act on it.
     acting: &'a [Acting],
+    /// Its samples that count.
+    samples: Vec<usize>,
     /// `u`, sample by sample, where it is not the residual.
     pulls: Option<&'a [[f64; 6]]>,
 }
@@ -65,12 +68,14 @@ impl<'a> General<'a> {
             None => &problem.arcs[arc].acting,
         };
         let parameters = acting.iter().map(|of| layout.parameters[of.parameter]);
+        let counts = |at: &usize| pulls.is_none_or(|pulls| pulls[*at] != [0.0; 6]);
         Self {
             context,
             arc,
             view,
             own: layout.state(arc).chain(parameters).collect(),
             acting,
+            samples: (0..view.samples.len()).filter(counts).collect(),
             pulls,
         }
     }
@@ -78,50 +83,69 @@ impl<'a> General<'a> {
     /// Adds what the Hessian lacks; `None` where no body has such moments.
     fn add(&self, nudged: &mut Nudged, matrix: &mut Envelope) -> Option<()> {
         let (layout, point) = (self.context.layout, nudged.origin);
-        let here = self.observed(point, 0.0)?;
-        let own = self.own.len();
-        let slopes = nudged.slopes(&self.own, |point| match self.observed(point, 0.0) {
-            Some(there) => self.gradient(&there),
-            None => DVector::zeros(own + here.len()),
-        });
-        let mut lacks = slopes.rows(0, own).into_owned();
+        let (own, count) = (self.own.len(), self.samples.len());
+        self.gradient(point, 0.0)?;
+        let mut lacks = self.slopes(nudged);
+        let mut by_time = DVector::zeros(count);
+        if self.context.problem.times_are_unknown() {
+            let [after, before] = [1.0, -1.0].map(|sign| self.gradient(point, sign * TIME_STEP_S));
+            let change = (after? - before?) / (2.0 * TIME_STEP_S);
+            by_time.copy_from(&change.rows(own, count));
+        }
         if self.pulls.is_none() {
-            for of in &here {
+            self.each(point, 0.0, &mut |at, of| {
                 let columns: Vec<&[f64; 6]> = columns(of).collect();
-                lacks -= DMatrix::from_fn(own, own, |i, j| dot(columns[i], columns[j]));
-            }
+                for (j, column) in columns.iter().enumerate() {
+                    for (i, row) in columns.iter().enumerate() {
+                        lacks[(i, j)] -= dot(row, column);
+                    }
+                    lacks[(own + at, j)] -= dot(column, &of.by_time);
+                }
+                by_time[at] -= dot(&of.by_time, &of.by_time);
+            })?;
         }
         add_own(self.context, &self.own, &lacks, matrix);
-
-        let [after, before] = [1.0, -1.0].map(|sign| self.observed(point, sign * TIME_STEP_S));
-        let (after, before) = (after?, before?);
-        // What the Hessian has of a product with a sample's derivative by its time.
-        let has = |of: &Observed, column: &[f64; 6]| match self.pulls {
-            Some(_) => 0.0,
-            None => dot(column, &of.by_time),
-        };
-        for (index, sample) in self.view.samples.iter().enumerate() {
-            let nodes = sample.shares();
-            let nodes: Vec<(usize, f64)> = nodes
-                .filter_map(|(node, share)| Some((layout.nodes[node]?, share)))
-                .collect();
-            let of = &here[index];
-            let [later, earlier] = [&after[index], &before[index]]
-                .map(|then| dot(&then.by_time, self.pull(index, then)));
-            let by_time = (later - earlier) / (2.0 * TIME_STEP_S) - has(of, &of.by_time);
-            for (at, share) in &nodes {
-                let own_slopes = slopes.row(own + index);
-                let unknowns = self.own.iter().zip(columns(of));
-                for ((other, column), slope) in unknowns.zip(own_slopes.iter()) {
-                    let lacks = slope - has(of, column);
-                    self.add_entry(*at, *other, share * lacks, matrix);
+        for (at, index) in self.samples.iter().enumerate() {
+            let nodes = self.view.samples[*index].shares();
+            let nodes = nodes.filter_map(|(node, share)| Some((layout.nodes[node]?, share)));
+            for (node, share) in nodes.clone() {
+                for (other, lacks) in self.own.iter().zip(&lacks.row(own + at)) {
+                    self.add_entry(node, *other, share * lacks, matrix);
                 }
-                for (other, other_share) in nodes.iter().filter(|(other, _)| other <= at) {
-                    self.add_entry(*at, *other, share * other_share * by_time, matrix);
+                for (other, other_share) in nodes.clone().filter(|(other, _)| *other <= node) {
+                    self.add_entry(node, other, share * other_share * by_time[at], matrix);
                 }
             }
         }
         Some(())
+    }
+
+    /// Derivatives of the gradient by its own unknowns. A body that falls freely moves along its place and its velocity
+    /// as these say, so that only the times of samples bend by them: `∂²r/∂t ∂v = 1`.
+    fn slopes(&self, nudged: &mut Nudged) -> DMatrix<f64> {
+        let (own, count) = (self.own.len(), self.samples.len());
+        let falls_freely = self.view.is_plain && self.pulls.is_some();
+        let straight = [part::POSITION, part::VELOCITY].map(|part| part..part + 3);
+        let is_bent = |at: &usize| !(falls_freely && straight.iter().any(|of| of.contains(at)));
+        let bent: Vec<usize> = (0..own).filter(is_bent).collect();
+        let unknowns: Vec<usize> = bent.iter().map(|at| self.own[*at]).collect();
+        let none = || DVector::zeros(own + count);
+        let of_bent = nudged.slopes(&unknowns, |point| {
+            self.gradient(point, 0.0).unwrap_or_else(none)
+        });
+        let mut slopes = DMatrix::zeros(own + count, own);
+        for (at, column) in bent.iter().zip(of_bent.column_iter()) {
+            slopes.set_column(*at, &column);
+        }
+        if let Some(pulls) = self.pulls.filter(|_| falls_freely) {
+            for (at, index) in self.samples.iter().enumerate() {
+                for axis in 0..3 {
+                    let pull = pulls[*index][axis] / self.view.units[0];
+                    slopes[(own + at, part::VELOCITY + axis)] = pull;
+                }
+            }
+        }
+        slopes
     }
 
     fn add_entry(&self, i: usize, j: usize, value: f64, matrix: &mut Envelope) {
@@ -129,8 +153,13 @@ impl<'a> General<'a> {
         matrix.add(pattern, i.max(j), i.min(j), value);
     }
 
-    /// Its samples at a point, with all times later; `None` where no body has such moments.
-    fn observed(&self, point: &Point, later_s: f64) -> Option<Vec<Observed>> {
+    /// Calls for its samples at a point, with all times later; `None` where no body has such moments.
+    fn each(
+        &self,
+        point: &Point,
+        later_s: f64,
+        call: &mut dyn FnMut(usize, &Observed),
+    ) -> Option<()> {
         let problem = self.context.problem;
         let bodies = problem.bodies_at(&point.parameters)?;
         let body = &bodies[problem.arcs[self.arc].mechanism];
@@ -147,30 +176,30 @@ impl<'a> General<'a> {
         if self.pulls.is_some() {
             observer = observer.in_body_axes(self.acting);
         }
-        let samples = 0..self.view.samples.len();
-        Some(
-            samples
-                .map(|index| observer.observed(index, &times_s))
-                .collect(),
-        )
-    }
-
-    /// What a sample pulls with: its residual, or the given `u`.
-    fn pull<'o>(&'o self, index: usize, of: &'o Observed) -> &'o [f64; 6] {
-        self.pulls.map_or(&of.residual, |pulls| &pulls[index])
-    }
-
-    /// `Jᵀu` by its own unknowns, and sample by sample by the time.
-    fn gradient(&self, seen: &[Observed]) -> DVector<f64> {
-        let mut gradient = vec![0.0; self.own.len()];
-        let each = || seen.iter().enumerate();
-        for (index, of) in each() {
-            for (sum, column) in gradient.iter_mut().zip(columns(of)) {
-                *sum += dot(column, self.pull(index, of));
-            }
+        let mut memory = Vec::new();
+        for (at, index) in self.samples.iter().enumerate() {
+            let of = observer.observed_in(*index, &times_s, memory);
+            call(at, &of);
+            memory = of.by_acting;
         }
-        gradient.extend(each().map(|(index, of)| dot(&of.by_time, self.pull(index, of))));
-        DVector::from_vec(gradient)
+        Some(())
+    }
+
+    /// `Jᵀu` by its own unknowns, and sample by sample by the time, with all times later; `None` where no body has such
+    /// moments.
+    fn gradient(&self, point: &Point, later_s: f64) -> Option<DVector<f64>> {
+        let own = self.own.len();
+        let mut gradient = DVector::zeros(own + self.samples.len());
+        self.each(point, later_s, &mut |at, of| {
+            let pull = self
+                .pulls
+                .map_or(&of.residual, |pulls| &pulls[self.samples[at]]);
+            for (sum, column) in gradient.iter_mut().zip(columns(of)) {
+                *sum += dot(column, pull);
+            }
+            gradient[own + at] = dot(&of.by_time, pull);
+        })?;
+        Some(gradient)
     }
 }
 

@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::gravity;
 use crate::estimate::problem::influence::Acting;
 use crate::estimate::problem::weave::{Weave, WovenArc, WovenHand, WovenSample};
-use crate::estimate::problem::{Arc, INFORMED_MIN, Problem, View};
+use crate::estimate::problem::{Arc, INFORMED_MIN, Problem, Shows, View};
 use crate::estimate::unknowns::point::Point;
 use crate::estimate::wander::kink::{APART_S, kink_s};
 use crate::estimate::wander::{Filter, Process};
@@ -50,6 +50,7 @@ impl Problem {
                         samples: Vec::new(),
                         moved: self.moved_by(arc),
                         remembered: 0,
+                        is_levered: arc.views.iter().any(|view| view.shows == Shows::Point),
                     });
                 }
                 let woven = hand.arcs.last_mut().expect("just added");
@@ -68,6 +69,7 @@ impl Problem {
                         false => physical_s(sample),
                     },
                     noise_variances: noise_variances(of, sample),
+                    gains: [None; 2],
                 });
                 let is_counted = |woven: &WovenSample| {
                     (counted_s[0]..=counted_s[1]).contains(&physical_s(woven.sample))
@@ -94,9 +96,8 @@ impl Problem {
                     .samples
                     .sort_by(|a, b| a.acted_s.total_cmp(&b.acted_s));
             }
-            let remembered = remembered(hand, &processes);
-            for (woven, remembered) in hand.arcs.iter_mut().zip(remembered) {
-                woven.remembered = remembered;
+            for (kind, process) in processes.iter().enumerate() {
+                self.filter(hand, kind, process);
             }
         }
         self.woven_as(&Weave { processes, hands })
@@ -133,6 +134,30 @@ impl Problem {
             weave: Some(weave),
             tempo_counts: 1.0,
             ..problem
+        }
+    }
+
+    /// Finds how samples of a hand become independent in one kind, and for each of its flights the number of flights before it
+    /// whose residuals still tell of its errors.
+    fn filter(&self, hand: &mut WovenHand, kind: usize, process: &Process) {
+        let mut filter = Filter::new(process);
+        let scale = process.stationary().map_diagonal(f64::sqrt);
+        let unscale = scale.map(|of| of.max(f64::MIN_POSITIVE).recip());
+        // Of each flight before, by its place: what its end has become.
+        let mut before: Vec<(usize, Matrix3<f64>)> = Vec::new();
+        for (place, woven) in hand.arcs.iter_mut().enumerate() {
+            let views = &self.arcs[woven.arc].views;
+            let samples = woven.samples.iter_mut();
+            for sample in samples.filter(|of| views[of.view].kinds()[kind]) {
+                let gain = filter.next(&sample.instant(kind));
+                sample.gains[kind] = Some(gain);
+                for (first, left) in &mut before {
+                    woven.remembered = woven.remembered.max(place - *first);
+                    *left = gain.forgets() * *left;
+                }
+                before.retain(|(_, left)| relative(left, &scale, &unscale) > FORGOTTEN);
+            }
+            before.push((place, Matrix3::identity()));
         }
     }
 
@@ -196,30 +221,6 @@ fn noise_variances(view: &View, sample: usize) -> [f64; 2] {
             false => 0.0,
         }
     })
-}
-
-/// For every flight of a hand the number of flights before it whose residuals still tell of its errors.
-fn remembered(hand: &WovenHand, processes: &[Process; 2]) -> Vec<usize> {
-    let mut counts = vec![0; hand.arcs.len()];
-    for (kind, process) in processes.iter().enumerate() {
-        let mut filter = Filter::new(process);
-        let scale = process.stationary().map_diagonal(f64::sqrt);
-        let unscale = scale.map(|of| of.max(f64::MIN_POSITIVE).recip());
-        // Of each flight before, by its place: what its end has become.
-        let mut before: Vec<(usize, Matrix3<f64>)> = Vec::new();
-        for (place, arc) in hand.arcs.iter().enumerate() {
-            for sample in &arc.samples {
-                let gain = filter.next(&sample.instant(kind));
-                for (first, left) in &mut before {
-                    counts[place] = counts[place].max(place - *first);
-                    *left = gain.forgets() * *left;
-                }
-                before.retain(|(_, left)| relative(left, &scale, &unscale) > FORGOTTEN);
-            }
-            before.push((place, Matrix3::identity()));
-        }
-    }
-    counts
 }
 
 /// The greatest entry of a matrix, in standard deviations of the process.

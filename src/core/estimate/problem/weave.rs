@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use super::influence::Acting;
-use crate::estimate::wander::{Process, SampleInstant};
+use crate::estimate::wander::{Gain, Process, SampleInstant};
 use crate::motion::{MechanismIndex, TrackIndex};
 
 /// The samples of all hands, whose errors are a process.
@@ -44,6 +44,8 @@ pub struct WovenArc {
     pub moved: Range<usize>,
     /// Of how many flights before it errors still tell of its own.
     pub remembered: usize,
+    /// Whether positions that are seen depend on how the body is turned.
+    pub is_levered: bool,
 }
 
 /// A sample.
@@ -57,6 +59,8 @@ pub struct WovenSample {
     pub acted_s: f64,
     /// Variance of its noise as its message says, of positions and of orientations, in units of residuals.
     pub noise_variances: [f64; 2],
+    /// How it becomes independent of those before it, of positions and of orientations where it shows them.
+    pub gains: [Option<Gain>; 2],
 }
 
 impl Weave {

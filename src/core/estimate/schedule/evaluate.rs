@@ -34,13 +34,22 @@ impl Program for SolveContext<'_> {
     }
 
     fn evaluate(&self, guidance: &Guidance, point: &Point, system: &mut System) {
-        let mut objective = Objective::new(self, guidance, point, system);
-        objective.add_samples();
-        objective.add_priors();
-        objective.add_pulls();
-        objective.add_held();
-        self.fill_constraints(guidance, point, system);
-        self.add_priced(guidance.goal_weight_max, system);
+        self.evaluate_with(guidance, point, system, |objective| objective.add_samples());
+    }
+
+    fn try_out(&self, guidance: &Guidance, point: &Point, system: &mut System) {
+        match &self.problem.weave {
+            Some(weave) => self.evaluate_with(guidance, point, system, |objective| {
+                objective.add_woven_cost(weave);
+            }),
+            None => self.evaluate(guidance, point, system),
+        }
+    }
+
+    fn differentiate(&self, guidance: &Guidance, point: &Point, system: &mut System) {
+        if self.problem.weave.is_some() {
+            self.evaluate(guidance, point, system);
+        }
     }
 
     fn retract(&self, from: &Point, step: &DVector<f64>, to: &mut Point) {
@@ -96,6 +105,30 @@ impl Program for SolveContext<'_> {
 }
 
 impl SolveContext<'_> {
+    /// Cost and constraints without the samples.
+    pub(in crate::estimate) fn without_samples(&self, point: &Point) -> System {
+        let mut system = System::new(self.structure());
+        self.evaluate_with(&Guidance::none(), point, &mut system, |_| {});
+        system
+    }
+
+    /// Evaluates with the samples' terms as they are added.
+    fn evaluate_with(
+        &self,
+        guidance: &Guidance,
+        point: &Point,
+        system: &mut System,
+        add_samples: impl FnOnce(&mut Objective),
+    ) {
+        let mut objective = Objective::new(self, guidance, point, system);
+        add_samples(&mut objective);
+        objective.add_priors();
+        objective.add_pulls();
+        objective.add_held();
+        self.fill_constraints(guidance, point, system);
+        self.add_priced(guidance.goal_weight_max, system);
+    }
+
     /// Typical step lengths of an arc's state.
     pub(in crate::estimate) fn lengths_of_state(&self) -> DVector<f64> {
         DVector::from_iterator(state::DIMENSION, length::of_free())

@@ -1,22 +1,25 @@
-//! A motion whose samples err in time: solved again with the errors that are expected of a hand, then with those that its
-//! residuals make likely.
+//! A motion whose samples err in time: solved again with the errors of a hand that its residuals make likely, until these
+//! stay the same.
 
 use nalgebra::DMatrix;
 
 use super::{Posed, Solved, add};
 use crate::estimate::covariance::bins::Residuals;
-use crate::estimate::covariance::linearised::{LinearisedSolution, free_count, free_directions};
+use crate::estimate::covariance::linearised::{
+    LinearisedSolution, free_count, free_directions, is_too_free,
+};
 use crate::estimate::covariance::noise::mean_squares;
 use crate::estimate::posing::Nodes;
 use crate::estimate::problem::Problem;
 use crate::estimate::problem::influence::Influence;
 use crate::estimate::schedule::recipe::{self, Recipe, Solution};
-use crate::estimate::unknowns::point::Point;
+use crate::estimate::terms::context::Guidance;
+use crate::estimate::wander::likelihood::{self, LikelyErrors};
 use crate::estimate::wander::{Process, process};
 use crate::estimate::{adequacy, outcome};
 use crate::motion::{Estimate, Observer, Performance, Performer, Timing};
-use crate::optimise::Work;
 use crate::optimise::kkt::Kkt;
+use crate::optimise::{Program, Work};
 
 /// How often errors are told from residuals.
 const ROUNDS: usize = 3;
@@ -40,14 +43,14 @@ impl Solved {
         if !is_in_time || !is_motion || !self.is_of_hand(scene.performer) {
             return;
         }
-        let mut start = self.solution.point.clone();
+        let mut start = self.solution.clone();
         let of_paces = problem.times_are_unknown().then(|| {
             let Performance {
                 sketch, segments, ..
             } = performance;
             let nodes = Nodes::of_paces(sketch, segments);
             let paced = Posed::new(Problem::at_nodes(scene, sketch, segments, nodes));
-            start.node_times_s = start.at_nodes(problem, &paced.problem);
+            start.point.node_times_s = start.point.at_nodes(problem, &paced.problem);
             paced
         });
         let posed = of_paces.as_ref().unwrap_or(&self.posed);
@@ -97,14 +100,15 @@ fn distance(errors: &[Residuals]) -> f64 {
     mean_squares(errors).iter().sum::<f64>().sqrt()
 }
 
-/// The solution with the likeliest errors, and its problem, from a start near by; `None` where there is no optimum.
+/// The solution with the likeliest errors, and its problem, from one at which every sample erred by itself; `None` where there is
+/// no optimum.
 fn refined(
     posed: &Posed,
-    start: Point,
+    start: Solution,
     epochs_s: &[f64],
     observer: &mut dyn Observer,
 ) -> Option<(Posed, Solution)> {
-    let mut processes = [Process::EXPECTED; 2];
+    let mut errors = likely_at_start(posed, &start, epochs_s);
     let mut best: Option<(Posed, Solution)> = None;
     let mut work = Work::default();
     for _ in 0..=ROUNDS {
@@ -113,8 +117,8 @@ fn refined(
         }
         let from = best
             .as_ref()
-            .map_or(&start, |(_, solution)| &solution.point);
-        let woven = Posed::new(posed.problem.woven(processes, from));
+            .map_or(&start.point, |(_, solution)| &solution.point);
+        let woven = Posed::new(posed.problem.woven(errors.processes, from));
         let found = recipe::solve_from(
             &woven.problem,
             &woven.layout,
@@ -127,16 +131,33 @@ fn refined(
         if !found.finished.converged {
             break;
         }
-        let likely = likely(&woven, &found, epochs_s, &processes);
+        let likely = likely(&woven, &found, epochs_s, &errors);
         best = Some((woven, found));
         let Some(likely) = likely else { break };
-        let is_same = process::change(&processes, &likely) < SAME;
-        processes = likely;
+        let is_same = process::change(&errors.processes, &likely.processes) < SAME;
+        errors = likely;
         if is_same {
             break;
         }
     }
     best.map(|(posed, solution)| (posed, Solution { work, ..solution }))
+}
+
+/// The errors that a motion's residuals make likeliest where it was found without them; those that are expected where it may go
+/// along too many directions to tell.
+fn likely_at_start(posed: &Posed, start: &Solution, epochs_s: &[f64]) -> LikelyErrors {
+    let expected = LikelyErrors::of([Process::EXPECTED; 2]);
+    let woven = Posed::new(posed.problem.woven(expected.processes, &start.point));
+    let context = woven.context(epochs_s.to_vec(), &start.point);
+    let system = context.evaluated(&Guidance::none(), &start.point);
+    if is_too_free(&context, &system) {
+        return expected;
+    }
+    let start = Solution {
+        system,
+        ..start.clone()
+    };
+    likely(&woven, &start, epochs_s, &expected).unwrap_or(expected)
 }
 
 /// The errors that a motion's residuals make likeliest; `None` where they tell nothing of them. Where the motion may go along too
@@ -145,23 +166,26 @@ fn likely(
     posed: &Posed,
     solution: &Solution,
     epochs_s: &[f64],
-    from: &[Process; 2],
-) -> Option<[Process; 2]> {
+    from: &LikelyErrors,
+) -> Option<LikelyErrors> {
     let (point, system) = (&solution.point, &solution.system);
     let context = posed.context(epochs_s.to_vec(), point);
     let kkt = Kkt::new(&context, system, &solution.multipliers)?;
     let free = free_directions(&context, system, &kkt);
     let none = || DMatrix::zeros(context.layout.size(), 0);
-    let directions = free.clone().unwrap_or_else(none);
-    let linearised =
-        LinearisedSolution::new(&context, point, system, &directions, directions.ncols())?;
+    let is_told = free.is_some();
+    let directions = free.unwrap_or_else(none);
+    let apart_s = if is_told { likelihood::APART_S } else { 0.0 };
+    let count = directions.ncols();
+    let linearised = LinearisedSolution::new(&context, point, &directions, count, apart_s)?;
     let restricted = linearised.restricted();
-    let processes = restricted.fitted(from)?.processes;
-    if free.is_some() {
-        return Some(processes);
+    let mut likely = restricted.likely(from)?;
+    if is_told {
+        return Some(likely);
     }
     let rows = (3 * restricted.rows.samples()) as f64;
     let left = rows - free_count(&context, system) as f64;
     let lacking = (rows / left.max(1.0)).sqrt();
-    Some(processes.map(|of| of.times(lacking)))
+    likely.processes = likely.processes.map(|of| of.times(lacking));
+    Some(likely)
 }

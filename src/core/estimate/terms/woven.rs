@@ -3,158 +3,215 @@
 //!
 //! Positions are in world axes, turns in the body's, which both go on through an impact.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use super::objective::Objective;
 use super::observed::{Observed, SampleObserver};
 use crate::estimate::problem::weave::{Weave, WovenArc, WovenHand, WovenSample};
 use crate::estimate::problem::{ArcSample, Problem};
 use crate::estimate::terms::context::SolveContext;
+use crate::estimate::unknowns::layout::Layout;
 use crate::estimate::unknowns::point::Point;
 use crate::estimate::wander::filter::weighed;
 use crate::estimate::wander::series::Series;
 use crate::estimate::wander::white::WhiteProducts;
-use crate::estimate::wander::{Filter, Means, SampleInstant};
-use crate::physics::state;
+use crate::estimate::wander::{Gain, Means};
+use crate::physics::state::{self, part};
 
-/// A sample of a hand with its residual.
-struct WovenResidual<'o> {
+/// A sample of a hand.
+struct WovenTaken<'o> {
     /// Its flight's place among the hand's.
     place: usize,
     woven: &'o WovenSample,
-    /// Which kinds it shows.
-    kinds: [bool; 2],
     sample: &'o ArcSample,
-    observed: &'o Observed,
 }
 
 /// The samples of one hand and kind until now.
 struct WovenStrand {
     kind: usize,
-    filter: Filter,
     means: Means,
     /// Numbers of parameters.
     parameters: usize,
     /// Flights that have columns now, by their place in the hand.
     places: Vec<usize>,
+    /// Number of columns before those of the nodes of the last flight.
+    until_nodes: usize,
+    /// Number of the first columns that no sample until now leaves at zero.
+    used: usize,
     /// Residual, parameters, then of each flight its state and its nodes: of the samples since the last flight began.
     white: WhiteProducts,
     numbers: Vec<f64>,
 }
 
 impl WovenStrand {
-    fn new(weave: &Weave, hand: &WovenHand, kind: usize) -> Self {
+    fn new(hand: &WovenHand, kind: usize) -> Self {
         let parameters = hand.parameters.len();
         Self {
             kind,
-            filter: Filter::new(&weave.processes[kind]),
             means: Means::new(3 * (1 + parameters)),
             parameters,
             places: Vec::new(),
+            until_nodes: 0,
+            used: 0,
             white: WhiteProducts::new(1 + parameters),
             numbers: Vec::new(),
         }
     }
 
+    /// Number of columns of a flight: what this kind shows of its state, and the times of its nodes.
+    fn width(&self, of: &WovenArc) -> usize {
+        shown(of, self.kind).len() + of.moved.len()
+    }
+
     /// Number of columns.
     fn columns(&self, hand: &WovenHand) -> usize {
-        let own = self.places.iter().map(|place| width(&hand.arcs[*place]));
+        let own = self.places.iter().map(|at| self.width(&hand.arcs[*at]));
         1 + self.parameters + own.sum::<usize>()
     }
 
-    /// Goes on to a flight, and forgets those that no longer count.
-    fn begin(&mut self, place: usize, hand: &WovenHand) {
+    /// Goes on to a flight, and forgets those that no longer count; gives the products of those until now.
+    fn begin(&mut self, place: usize, hand: &WovenHand) -> DMatrix<f64> {
         let first = 3 * (1 + self.parameters);
-        let remembered = hand.arcs[place].remembered;
-        let forgotten = self.places.iter().filter(|of| **of + remembered < place);
-        let forgotten: Vec<usize> = forgotten.copied().collect();
-        let numbers = forgotten.iter().map(|place| 3 * width(&hand.arcs[*place]));
+        let woven = &hand.arcs[place];
+        let forgotten = self.places.iter();
+        let forgotten = forgotten.take_while(|of| **of + woven.remembered < place);
+        let forgotten = forgotten.count();
+        let numbers = self.places.drain(..forgotten).collect::<Vec<_>>();
+        let numbers = numbers.iter().map(|at| 3 * self.width(&hand.arcs[*at]));
         self.means.remove(first..first + numbers.sum::<usize>());
-        self.places.drain(..forgotten.len());
         self.places.push(place);
-        self.means.extend(3 * width(&hand.arcs[place]));
-        self.white = WhiteProducts::new(self.columns(hand));
+        self.means.extend(3 * self.width(woven));
+        let columns = self.columns(hand);
+        self.until_nodes = columns - woven.moved.len();
+        self.used = self.until_nodes;
+        self.numbers.resize(3 * columns, 0.0);
+        self.white.restart(columns)
     }
 
     /// Adds a sample of the last flight.
-    fn add(&mut self, of: &WovenResidual, hand: &WovenHand) {
-        let (observed, woven) = (of.observed, &hand.arcs[of.place]);
-        let (kind, columns) = (self.kind, self.columns(hand));
-        let own = columns - width(woven);
-        self.numbers.clear();
-        self.numbers.resize(3 * columns, 0.0);
-        let mut set = |column: usize, six: &[f64; 6]| {
-            for (number, of) in self.numbers[3 * column..]
-                .iter_mut()
-                .zip(&six[3 * kind..][..3])
-            {
-                *number += of;
+    fn add(&mut self, of: &WovenTaken, observed: &Observed, gain: &Gain, hand: &WovenHand) {
+        let woven = &hand.arcs[of.place];
+        let (kind, shown) = (self.kind, shown(woven, self.kind));
+        let nodes = of.sample.shares().filter(|of| woven.moved.contains(&of.0));
+        let nodes = nodes.map(|(node, share)| (self.until_nodes + node - woven.moved.start, share));
+        let used = nodes.clone().map(|(column, _)| column + 1);
+        self.used = used.fold(self.used, usize::max);
+        self.white.use_first(self.used);
+        let numbers = &mut self.numbers[..3 * self.used];
+        numbers.fill(0.0);
+        let mut set = |column: usize, six: &[f64; 6], share: f64| {
+            let three = numbers[3 * column..].iter_mut().zip(&six[3 * kind..][..3]);
+            for (number, of) in three {
+                *number += share * of;
             }
         };
-        set(0, &observed.residual);
+        set(0, &observed.residual, 1.0);
         for (acting, by) in woven.acting.iter().zip(&observed.by_acting) {
             let place = hand.parameters.binary_search(&acting.parameter);
-            set(1 + place.expect("it acts on the hand"), by);
+            set(1 + place.expect("it acts on the hand"), by, 1.0);
         }
-        for (at, by) in observed.by_state.iter().enumerate() {
-            set(own + at, by);
+        let state = self.until_nodes - shown.len();
+        for (at, entry) in shown.iter().enumerate() {
+            set(state + at, &observed.by_state[*entry], 1.0);
         }
-        for (node, share) in of.sample.shares() {
-            if let Some(at) = woven.moved.clone().position(|moved| moved == node) {
-                let by = observed.by_time.map(|by| by * share);
-                set(own + state::DIMENSION + at, &by);
-            }
+        for (column, share) in nodes {
+            set(column, &observed.by_time, share);
         }
-        self.means.whiten(
-            &self.filter.next(&of.woven.instant(kind)),
-            &mut self.numbers,
-        );
-        self.white.push(&self.numbers);
+        self.means.whiten(gain, numbers);
+        self.white.push(numbers);
+    }
+
+    /// The unknowns of its columns after the residual.
+    fn unknowns(&self, hand: &WovenHand, layout: &Layout) -> Vec<usize> {
+        let parameters = hand.parameters.iter().map(|at| layout.parameters[*at]);
+        let own = self.places.iter().flat_map(|at| {
+            let of = &hand.arcs[*at];
+            let shown = shown(of, self.kind);
+            let is_own = |at: usize| at >= state::DIMENSION || shown.contains(&at);
+            let all = layout.woven(of).enumerate();
+            all.filter(move |(at, _)| is_own(*at)).map(|(_, of)| of)
+        });
+        parameters.chain(own).collect()
     }
 }
 
-/// Number of a flight's own unknowns: its state and the times of its nodes.
-fn width(of: &WovenArc) -> usize {
-    state::DIMENSION + of.moved.len()
+const PLACE: [usize; 6] = three_and_three([part::POSITION, part::VELOCITY]);
+const TURN: [usize; 6] = three_and_three([part::ORIENTATION, part::ANGULAR_VELOCITY]);
+const WHOLE: [usize; state::DIMENSION] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11];
+
+const fn three_and_three([a, b]: [usize; 2]) -> [usize; 6] {
+    [a, a + 1, a + 2, b, b + 1, b + 2]
+}
+
+/// Entries of a flight's state on which what samples show of a kind depends.
+fn shown(of: &WovenArc, kind: usize) -> &'static [usize] {
+    match kind {
+        0 if of.is_levered => &WHOLE,
+        0 => &PLACE,
+        _ => &TURN,
+    }
 }
 
 impl Objective<'_> {
     /// Adds the residuals of all samples; infinitely many where no body has such moments.
     pub(in crate::estimate) fn add_woven(&mut self, weave: &Weave) {
         let (context, point) = (self.context, self.point);
+        let mut memory = Vec::new();
         for hand in &weave.hands {
-            let mut strands = [0, 1].map(|kind| WovenStrand::new(weave, hand, kind));
+            let mut strands = [0, 1].map(|kind| WovenStrand::new(hand, kind));
             let mut place = None;
-            let is_body = each(context, point, hand, &mut |of| {
+            let is_body = each(context, point, hand, &mut |of, observer| {
                 let at = of.place;
                 if place.replace(at) != Some(at) {
                     for strand in &mut strands {
-                        self.add_strand(strand, hand);
-                        strand.begin(at, hand);
+                        let unknowns = strand.unknowns(hand, context.layout);
+                        let gram = strand.begin(at, hand);
+                        self.add_products(&gram, &unknowns);
                     }
                 }
-                for strand in strands.iter_mut().filter(|strand| of.kinds[strand.kind]) {
-                    strand.add(of, hand);
+                let times_s = &point.node_times_s;
+                let kept = std::mem::take(&mut memory);
+                let observed = observer.observed_in(of.woven.sample, times_s, kept);
+                for (strand, gain) in strands.iter_mut().zip(&of.woven.gains) {
+                    if let Some(gain) = gain {
+                        strand.add(of, &observed, gain, hand);
+                    }
                 }
+                memory = observed.by_acting;
             });
             if !is_body {
                 self.add_cost(f64::INFINITY);
                 return;
             }
             for strand in &mut strands {
-                self.add_strand(strand, hand);
+                let unknowns = strand.unknowns(hand, context.layout);
+                self.add_products(&strand.white.restart(0), &unknowns);
             }
         }
     }
 
-    /// Adds the products of a strand since its last flight began.
-    fn add_strand(&mut self, strand: &mut WovenStrand, hand: &WovenHand) {
-        let layout = self.context.layout;
-        let parameters = hand.parameters.iter().map(|at| layout.parameters[*at]);
-        let arcs = strand.places.iter().map(|place| &hand.arcs[*place]);
-        let own = arcs.flat_map(|arc| layout.woven(arc));
-        let unknowns: Vec<usize> = parameters.chain(own).collect();
-        let gram = std::mem::replace(&mut strand.white, WhiteProducts::new(0)).gram();
+    /// Adds the cost of all samples and nothing else.
+    pub(in crate::estimate) fn add_woven_cost(&mut self, weave: &Weave) {
+        let point = self.point;
+        for hand in &weave.hands {
+            let mut means = [Means::new(3), Means::new(3)];
+            let mut sum = 0.0;
+            let is_body = each(self.context, point, hand, &mut |of, observer| {
+                let mut six = observer.residual(of.woven.sample, &point.node_times_s);
+                let kinds = of.woven.gains.iter().zip(six.chunks_exact_mut(3));
+                for (means, (gain, three)) in means.iter_mut().zip(kinds) {
+                    if let Some(gain) = gain {
+                        means.whiten(gain, three);
+                        sum += three.iter().map(|number| number * number).sum::<f64>();
+                    }
+                }
+            });
+            self.add_cost(if is_body { 0.5 * sum } else { f64::INFINITY });
+        }
+    }
+
+    /// Adds products of the residual with itself and with the columns of unknowns.
+    fn add_products(&mut self, gram: &DMatrix<f64>, unknowns: &[usize]) {
         self.add_cost(0.5 * gram[(0, 0)]);
         for (column, one) in unknowns.iter().enumerate() {
             self.gradient[*one] += gram[(1 + column, 0)];
@@ -165,19 +222,18 @@ impl Objective<'_> {
     }
 }
 
-/// Calls for every sample of a hand, in order of time. Whether the parameters make a body at all.
+/// Calls for every sample of a hand, in order of time, with what observes it. Whether the parameters make a body at all.
 fn each(
     context: &SolveContext,
     point: &Point,
     hand: &WovenHand,
-    call: &mut dyn FnMut(&WovenResidual),
+    call: &mut dyn FnMut(&WovenTaken, &mut SampleObserver),
 ) -> bool {
     let problem: &Problem = context.problem;
     let gravity_m_s2 = problem.gravity(&point.parameters);
     let Some(bodies) = problem.bodies_at(&point.parameters) else {
         return false;
     };
-    let mut memory = Vec::new();
     for (place, woven) in hand.arcs.iter().enumerate() {
         let arc = &problem.arcs[woven.arc];
         let flight = (&point.arcs[woven.arc], context.epochs_s[woven.arc]);
@@ -194,37 +250,33 @@ fn each(
             .in_body_axes(&woven.acting)
         });
         let mut observers: Vec<SampleObserver> = observers.collect();
-        for sample in &woven.samples {
-            let observed = observers[sample.view].observed_in(
-                sample.sample,
-                &point.node_times_s,
-                std::mem::take(&mut memory),
-            );
-            let view = &arc.views[sample.view];
-            call(&WovenResidual {
+        for of in &woven.samples {
+            let taken = WovenTaken {
                 place,
-                woven: sample,
-                kinds: view.kinds(),
-                sample: &view.samples[sample.sample],
-                observed: &observed,
-            });
-            memory = observed.by_acting;
+                woven: of,
+                sample: &arc.views[of.view].samples[of.sample],
+            };
+            call(&taken, &mut observers[of.view]);
         }
     }
     true
 }
 
-/// Residuals of all samples and their derivatives along directions of the unknowns, a column each; the residuals are the
-/// last column. `None` where the parameters make no body.
+/// Residuals of samples at least so far apart and their derivatives along directions of the unknowns, a column each; the residuals
+/// are the last column. `None` where the parameters make no body.
 pub(in crate::estimate) fn rows(
     context: &SolveContext,
     point: &Point,
     weave: &Weave,
     directions: &DMatrix<f64>,
+    apart_s: f64,
 ) -> Option<(Vec<Series>, DMatrix<f64>)> {
     let layout = context.layout;
+    let count = directions.ncols() + 1;
+    let by_unknown = directions.transpose();
     let mut all: Vec<Series> = Vec::new();
-    let mut numbers: Vec<DVector<f64>> = Vec::new();
+    // Row by row.
+    let mut numbers: Vec<f64> = Vec::new();
     for hand in &weave.hands {
         let of_kind = all.len();
         for kind in 0..2 {
@@ -236,13 +288,22 @@ pub(in crate::estimate) fn rows(
                 unit: hand.units[kind],
             });
         }
-        let is_body = each(context, point, hand, &mut |of| {
-            let (woven, observed) = (&hand.arcs[of.place], of.observed);
+        let is_body = each(context, point, hand, &mut |of, observer| {
+            let series = &mut all[of_kind..];
+            let is_next = |kind: usize| {
+                let last = series[kind].taken.last();
+                of.woven.gains[kind].is_some()
+                    && last.is_none_or(|last| of.woven.acted_s >= last.time_s + apart_s)
+            };
+            let kinds = [0, 1].map(is_next);
+            if kinds == [false; 2] {
+                return;
+            }
+            let observed = observer.observed(of.woven.sample, &point.node_times_s);
+            let woven = &hand.arcs[of.place];
             let states = layout.state(woven.arc).zip(&observed.by_state);
-            let acting = woven
-                .acting
-                .iter()
-                .map(|of| layout.parameters[of.parameter]);
+            let acting = woven.acting.iter();
+            let acting = acting.map(|of| layout.parameters[of.parameter]);
             let nodes = of.sample.shares().filter_map(|(node, share)| {
                 let at = layout.nodes[node]?;
                 Some((at, observed.by_time.map(|by| by * share)))
@@ -250,19 +311,20 @@ pub(in crate::estimate) fn rows(
             let own = states.chain(acting.zip(&observed.by_acting));
             let own = own.map(|(at, by)| (at, *by));
             let by: Vec<(usize, [f64; 6])> = own.chain(nodes).collect();
-            for kind in (0..2).filter(|kind| of.kinds[*kind]) {
-                let series = &mut all[of_kind + kind];
-                series.taken.push(of.woven.instant(kind));
-                series.rows.push(numbers.len());
+            for kind in (0..2).filter(|kind| kinds[*kind]) {
+                series[kind].taken.push(of.woven.instant(kind));
+                series[kind].rows.push(numbers.len() / count);
                 for axis in 3 * kind..3 * kind + 3 {
-                    let mut row = DVector::zeros(directions.ncols() + 1);
-                    for (unknown, six) in &by {
-                        for (to, along) in row.iter_mut().zip(&directions.row(*unknown)) {
+                    let first = numbers.len();
+                    numbers.resize(first + count, 0.0);
+                    let row = &mut numbers[first..];
+                    row[count - 1] = observed.residual[axis];
+                    for (unknown, six) in by.iter().filter(|(_, six)| six[axis] != 0.0) {
+                        let along = by_unknown.column(*unknown);
+                        for (to, along) in row.iter_mut().zip(along.iter()) {
                             *to += six[axis] * along;
                         }
                     }
-                    row[directions.ncols()] = observed.residual[axis];
-                    numbers.push(row);
                 }
             }
         });
@@ -271,9 +333,7 @@ pub(in crate::estimate) fn rows(
         }
     }
     all.retain(|of| !of.rows.is_empty());
-    let columns = DMatrix::from_fn(numbers.len(), directions.ncols() + 1, |row, column| {
-        numbers[row][column]
-    });
+    let columns = DMatrix::from_row_slice(numbers.len() / count, count, &numbers);
     Some((all, columns))
 }
 
@@ -290,29 +350,27 @@ pub(in crate::estimate) fn pulls(
         .map(|(_, view)| vec![[0.0; 6]; view.samples.len()]);
     let mut pulls: Vec<Vec<[f64; 6]>> = of_view.collect();
     for hand in &weave.hands {
-        let mut taken: [Vec<SampleInstant>; 2] = Default::default();
+        let mut gains: [Vec<Gain>; 2] = Default::default();
         let mut residuals: [Vec<[f64; 3]>; 2] = Default::default();
-        let is_body = each(context, point, hand, &mut |of| {
-            for kind in (0..2).filter(|kind| of.kinds[*kind]) {
-                let first = 3 * kind;
-                taken[kind].push(of.woven.instant(kind));
-                residuals[kind].push(std::array::from_fn(|axis| {
-                    of.observed.residual[first + axis]
-                }));
+        let is_body = each(context, point, hand, &mut |of, observer| {
+            let six = observer.residual(of.woven.sample, &point.node_times_s);
+            for (kind, three) in six.chunks_exact(3).enumerate() {
+                if let Some(gain) = of.woven.gains[kind] {
+                    gains[kind].push(gain);
+                    residuals[kind].push([three[0], three[1], three[2]]);
+                }
             }
         });
         if !is_body {
             return None;
         }
-        for (kind, process) in weave.processes.iter().enumerate() {
-            let mut weighed = weighed(process, &taken[kind], &residuals[kind]).into_iter();
+        for kind in 0..2 {
+            let mut weighed = weighed(&gains[kind], &residuals[kind]).into_iter();
             for arc in &hand.arcs {
                 let first = problem.views_of(arc.arc).start;
-                for of in &arc.samples {
-                    if problem.arcs[arc.arc].views[of.view].kinds()[kind] {
-                        let pull = weighed.next().expect("one for each");
-                        pulls[first + of.view][of.sample][3 * kind..][..3].copy_from_slice(&pull);
-                    }
+                for of in arc.samples.iter().filter(|of| of.gains[kind].is_some()) {
+                    let pull = weighed.next().expect("one for each");
+                    pulls[first + of.view][of.sample][3 * kind..][..3].copy_from_slice(&pull);
                 }
             }
         }

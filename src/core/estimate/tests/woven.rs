@@ -68,6 +68,23 @@ fn the_gradient_is_exact_where_samples_err_in_time() {
     });
 }
 
+/// A trial tells the same cost and constraints, and its derivatives when it is gone on from.
+#[test]
+fn a_trial_tells_what_an_evaluation_does() {
+    each_woven(|context, point, _| {
+        let guidance = Guidance::none();
+        let here = context.evaluated(&guidance, point);
+        let mut trial = System::new(context.structure());
+        context.try_out(&guidance, point, &mut trial);
+        assert!((trial.cost - here.cost).abs() < 1e-13 * here.cost);
+        assert!(trial.values().eq(here.values()));
+        assert_ne!(trial.gradient, here.gradient);
+        context.differentiate(&guidance, point, &mut trial);
+        assert_eq!(trial.gradient, here.gradient);
+        assert_eq!(trial.cost, here.cost);
+    });
+}
+
 /// What flights before tell is forgotten in the objective, and never in its rows.
 #[test]
 fn the_objective_has_the_products_of_its_rows() {
@@ -79,7 +96,7 @@ fn the_objective_has_the_products_of_its_rows() {
             lengths[row] * random.borrow_mut().signed()
         });
         let weave = context.problem.weave.as_ref().expect("a weave");
-        let rows = woven::rows(context, point, weave, &directions);
+        let rows = woven::rows(context, point, weave, &directions, 0.0);
         let (series, columns) = rows.expect("a body");
         let rows = SeriesRows::new(&series, &columns);
         let gram = rows.products(0, &PROCESSES[0]).gram + rows.products(1, &PROCESSES[1]).gram;

@@ -31,6 +31,8 @@ pub struct SampleInstant {
 #[derive(Clone, Debug)]
 pub struct Filter {
     process: Process,
+    /// Diagonal of the stationary covariance.
+    stationary: Vector3<f64>,
     /// When the last sample was \[s\].
     last_s: Option<f64>,
     /// `P`.
@@ -60,10 +62,12 @@ pub struct Means {
 impl Filter {
     /// Before the first sample.
     pub fn new(process: &Process) -> Self {
+        let stationary = process.stationary();
         Self {
             process: *process,
+            stationary: stationary.diagonal(),
             last_s: None,
-            covariance: process.stationary(),
+            covariance: stationary,
             log_variance: 0.0,
         }
     }
@@ -74,22 +78,35 @@ impl Filter {
         let apart_s = self.last_s.map_or(0.0, |last_s| (time_s - last_s).max(0.0));
         self.last_s = Some(time_s);
         let by = self.process.transition(apart_s);
-        let stationary = self.process.stationary();
-        // What has gone on towards the stationary covariance: `F P Fᵀ + Q`.
-        let known = self.covariance - stationary;
-        let covariance = by * known * by.transpose() + stationary;
+        let covariance = self.gone_on(&by);
         let with_sample = covariance.column(0) + covariance.column(2);
         let noise = self.process.noise_sd.powi(2) + taken.noise_variance;
         let variance = with_sample[0] + with_sample[2] + noise;
         let gain: Vector3<f64> = with_sample / variance;
-        let after = covariance - gain * with_sample.transpose();
-        self.covariance = 0.5 * (after + after.transpose());
+        self.covariance = covariance - gain * with_sample.transpose();
         self.log_variance += variance.ln();
         Gain {
             by,
             gain,
             per_sd: variance.sqrt().recip(),
         }
+    }
+
+    /// `F P Fᵀ + Q`, gone on towards the stationary covariance: `h` and `o` go on by themselves.
+    fn gone_on(&self, by: &Matrix3<f64>) -> Matrix3<f64> {
+        let s = &self.stationary;
+        let p = &self.covariance;
+        let (a, b, c, d, r) = (by[(0, 0)], by[(0, 1)], by[(1, 0)], by[(1, 1)], by[(2, 2)]);
+        let (hh, hv, vv) = (p[(0, 0)] - s[0], p[(0, 1)], p[(1, 1)] - s[1]);
+        let (ho, vo, oo) = (p[(0, 2)], p[(1, 2)], p[(2, 2)] - s[2]);
+        let across = (a * hh + b * hv) * c + (a * hv + b * vv) * d;
+        let [place, speed] = [(a * ho + b * vo) * r, (c * ho + d * vo) * r];
+        let placed = (a * hh + b * hv) * a + (a * hv + b * vv) * b + s[0];
+        let sped = (c * hh + d * hv) * c + (c * hv + d * vv) * d + s[1];
+        let rough = r * r * oo + s[2];
+        Matrix3::new(
+            placed, across, place, across, sped, speed, place, speed, rough,
+        )
     }
 
     /// `Σ ln s²` of the samples until now, along one axis.
@@ -104,6 +121,24 @@ impl Gain {
     pub fn forgets(&self) -> Matrix3<f64> {
         let observed = self.by.row(0) + self.by.row(2);
         self.by - self.gain * observed
+    }
+}
+
+impl Gain {
+    /// Nothing of any entry.
+    fn none() -> Self {
+        Self {
+            by: Matrix3::zeros(),
+            gain: Vector3::zeros(),
+            per_sd: 0.0,
+        }
+    }
+
+    /// What slopes by its entries make of its change to another.
+    pub fn change(&self, slopes: &Self, to: &Self) -> f64 {
+        (to.by - self.by).dot(&slopes.by)
+            + (to.gain - self.gain).dot(&slopes.gain)
+            + (to.per_sd - self.per_sd) * slopes.per_sd
     }
 }
 
@@ -147,20 +182,68 @@ impl Means {
     }
 }
 
-/// `V⁻¹ r` of the samples of a process in order of time, three axes alike.
-pub fn weighed(
-    process: &Process,
-    taken: &[SampleInstant],
-    residuals: &[[f64; 3]],
-) -> Vec<[f64; 3]> {
-    let (mut filter, mut means) = (Filter::new(process), Means::new(3));
+/// Slopes of a number by every entry of the gains of samples, of its slopes by what is whitened with them.
+#[derive(Clone, Debug)]
+pub struct GainSlopes {
+    /// Means before each sample.
+    before: Vec<Means>,
+    /// Slopes by the means after the sample.
+    adjoint: Means,
+}
+
+impl GainSlopes {
+    /// Of so many numbers for each sample.
+    pub fn new(numbers: usize) -> Self {
+        Self {
+            before: Vec::new(),
+            adjoint: Means::new(numbers),
+        }
+    }
+
+    /// Keeps the means before a sample.
+    pub fn push(&mut self, means: &Means) {
+        self.before.push(means.clone());
+    }
+
+    /// The slopes by the gain of the last sample that is left, with what `whitened` was made of it and the slopes by that. With
+    /// `x` the number's slope by `r − H F m`,
+    ///
+    /// ```text
+    /// x = e'/s + kᵀ a,   k' = a (r − H F m),   F' = (a − Hᵀ x) mᵀ,   a ← Fᵀ (a − Hᵀ x)
+    /// ```
+    pub fn pop(&mut self, gain: &Gain, whitened: &[f64], slopes: &[f64]) -> Gain {
+        let mut all = Gain::none();
+        let before = self.before.pop().expect("one for each sample");
+        let [places, speeds, roughs] = &mut self.adjoint.each;
+        let (by, k, per_sd) = (&gain.by, &gain.gain, gain.per_sd);
+        for (at, (white, slope)) in whitened.iter().zip(slopes).enumerate() {
+            let off = white / per_sd;
+            let [place, speed, rough] = [&mut places[at], &mut speeds[at], &mut roughs[at]];
+            let by_off = slope * per_sd + k[0] * *place + k[1] * *speed + k[2] * *rough;
+            all.per_sd += slope * off;
+            all.gain += Vector3::new(*place, *speed, *rough) * off;
+            let expected = [*place - by_off, *speed, *rough - by_off];
+            let [m, v, o] = [0, 1, 2].map(|of| before.each[of][at]);
+            all.by[(0, 0)] += expected[0] * m;
+            all.by[(0, 1)] += expected[0] * v;
+            all.by[(1, 0)] += expected[1] * m;
+            all.by[(1, 1)] += expected[1] * v;
+            all.by[(2, 2)] += expected[2] * o;
+            *place = by[(0, 0)] * expected[0] + by[(1, 0)] * expected[1];
+            *speed = by[(0, 1)] * expected[0] + by[(1, 1)] * expected[1];
+            *rough = by[(2, 2)] * expected[2];
+        }
+        all
+    }
+}
+
+/// `V⁻¹ r` of samples in order of time, three axes alike.
+pub fn weighed(gains: &[Gain], residuals: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let mut means = Means::new(3);
     let mut weighed = residuals.to_vec();
-    let gains = taken.iter().zip(&mut weighed).map(|(taken, numbers)| {
-        let gain = filter.next(taken);
-        means.whiten(&gain, numbers);
-        gain
-    });
-    let gains: Vec<Gain> = gains.collect();
+    for (gain, numbers) in gains.iter().zip(&mut weighed) {
+        means.whiten(gain, numbers);
+    }
     let mut adjoints = [Vector3::<f64>::zeros(); 3];
     for (gain, numbers) in gains.iter().zip(&mut weighed).rev() {
         for (number, adjoint) in numbers.iter_mut().zip(&mut adjoints) {
@@ -216,9 +299,10 @@ mod tests {
         let stated = columns.tr_mul(&factor.solve(&columns));
         let (mut filter, mut means) = (Filter::new(&PROCESS), Means::new(3));
         let mut white = DMatrix::zeros(40, 3);
-        for (row, taken) in taken.iter().enumerate() {
+        let gains: Vec<Gain> = taken.iter().map(|taken| filter.next(taken)).collect();
+        for (row, gain) in gains.iter().enumerate() {
             let mut numbers: Vec<f64> = columns.row(row).iter().copied().collect();
-            means.whiten(&filter.next(taken), &mut numbers);
+            means.whiten(gain, &mut numbers);
             white.set_row(row, &DVector::from_vec(numbers).transpose());
         }
         let given = white.tr_mul(&white);
@@ -230,7 +314,7 @@ mod tests {
             .map(|row| [row[0], row[1], row[2]])
             .collect();
         let solved = factor.solve(&columns);
-        for (row, three) in weighed(&PROCESS, &taken, &residuals).iter().enumerate() {
+        for (row, three) in weighed(&gains, &residuals).iter().enumerate() {
             for (column, number) in three.iter().enumerate() {
                 let off = (number - solved[(row, column)]).abs();
                 assert!(off < 1e-9 * solved.amax(), "{row} {column}: {off}");

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! A take tells little of some of the numbers, so that each has a prior about [`Process::EXPECTED`], normal in its
-//! logarithm. The best are found by Broyden, Fletcher, Goldfarb and Shanno's method with differences for slopes.
+//! logarithm. The best are found by Broyden, Fletcher, Goldfarb and Shanno's method.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -18,15 +18,39 @@ use super::series::{SeriesRows, WhitenedProducts};
 /// Spread of the logarithm of each number of a process about what is expected.
 const SPREADS: LogProcess = [1.5, 1.0, 1.5, 0.8, 1.5];
 /// Samples that are nearer to one another tell little more of a hand \[s\].
-pub(super) const APART_S: f64 = 1.0 / 35.0;
+pub const APART_S: f64 = 1.0 / 35.0;
 /// Greatest number of steps.
 const STEPS: usize = 30;
-/// Step of the differences.
+/// Step of the differences of gains.
 const STEP: f64 = 1e-4;
+/// Step of second differences, and the least second derivative that they may tell.
+const WIDE_STEP: f64 = 0.1;
+const LEAST_CURVATURE: f64 = 1.0;
 /// The longest step in any logarithm.
 const LONGEST: f64 = 1.5;
+/// Errors that were told once stay where the next step would change no logarithm by more than this.
+const SHORTEST: f64 = 0.02;
 /// Steps end where one gains less than this of `−2 log L`.
-const GAIN: f64 = 0.01;
+const GAIN: f64 = 0.001;
+
+/// Errors as they are thought to be.
+#[derive(Clone, Debug)]
+pub struct LikelyErrors {
+    /// Errors of positions, and of orientations and directions.
+    pub processes: [Process; 2],
+    /// The inverse of the Hessian of `−2 log L` by their logarithms, where a search told it.
+    inverse: Option<DMatrix<f64>>,
+}
+
+impl LikelyErrors {
+    /// Of which no more is known.
+    pub fn of(processes: [Process; 2]) -> Self {
+        Self {
+            processes,
+            inverse: None,
+        }
+    }
+}
 
 /// What is known of a motion whose samples have such errors.
 #[derive(Clone, Debug)]
@@ -74,29 +98,48 @@ impl Restricted<'_> {
 
     /// The likeliest errors, from where they are thought to be: as samples tell them that are not nearer to one another than a
     /// hand moves.
-    pub fn fitted(&self, from: &[Process; 2]) -> Option<FittedErrors> {
+    pub fn likely(&self, from: &LikelyErrors) -> Option<LikelyErrors> {
         let thinned = self.rows.thinned(APART_S);
         let thin = Restricted {
             rows: &thinned,
             ..*self
         };
-        self.at(&thin.likeliest(from)?.processes)
+        Some(thin.search(from)?.likely())
+    }
+
+    /// What follows of them of all samples.
+    pub fn fitted(&self, from: &[Process; 2]) -> Option<FittedErrors> {
+        self.at(&self.likely(&LikelyErrors::of(*from))?.processes)
     }
 
     /// The likeliest errors as all samples tell them.
     pub(super) fn likeliest(&self, from: &[Process; 2]) -> Option<FittedErrors> {
+        let found = self.search(&LikelyErrors::of(*from))?;
+        let [positions, orientations] = &found.here.products;
+        self.with(&found.likely().processes, [positions, orientations])
+    }
+
+    fn search(&self, from: &LikelyErrors) -> Option<Search> {
         let kinds: Vec<usize> = (0..2).filter(|kind| self.rows.shows(*kind)).collect();
-        let mut logs = from.map(|process| process.logs());
+        let mut logs = from.processes.map(|process| process.logs());
         let mut here = self.valued(&logs)?;
         let size = Process::COUNT * kinds.len();
         let place = |at: usize| (kinds[at / Process::COUNT], at % Process::COUNT);
-        let mut slope = self.slope(&here, &logs, size, &place)?;
-        let mut inverse = DMatrix::from_diagonal_element(size, size, 0.1);
+        let mut slope = self.slope(&logs, &here, &kinds);
+        let known = from.inverse.clone().filter(|known| known.nrows() == size);
+        let is_told = known.is_some();
+        let mut inverse = match known {
+            Some(known) => known,
+            None => self.inverse_curvatures(&here, &logs, size, &place)?,
+        };
         for _ in 0..STEPS {
             let mut step = -(&inverse * &slope);
             if step.dot(&slope) >= 0.0 {
-                inverse = DMatrix::from_diagonal_element(size, size, 0.1);
+                inverse = self.inverse_curvatures(&here, &logs, size, &place)?;
                 step = -(&inverse * &slope);
+            }
+            if is_told && step.amax() < SHORTEST {
+                break;
             }
             step *= (LONGEST / step.amax().max(f64::MIN_POSITIVE)).min(1.0);
             let mut moved = None;
@@ -117,16 +160,19 @@ impl Restricted<'_> {
                 break;
             };
             let gained = here.merit - there.merit;
-            let slope_there = self.slope(&there, &there_logs, size, &place)?;
-            update(&mut inverse, &step, &(&slope_there - &slope));
-            (logs, here, slope) = (there_logs, there, slope_there);
+            (logs, here) = (there_logs, there);
             if gained < GAIN {
                 break;
             }
+            let slope_there = self.slope(&logs, &here, &kinds);
+            update(&mut inverse, &step, &(&slope_there - &slope));
+            slope = slope_there;
         }
-        let [positions, orientations] = &here.products;
-        let processes = logs.map(|of| Process::of_logs(&of));
-        self.with(&processes, [positions, orientations])
+        Some(Search {
+            logs,
+            here,
+            inverse,
+        })
     }
 
     /// Products of both kinds.
@@ -134,37 +180,79 @@ impl Restricted<'_> {
         [0, 1].map(|kind| self.rows.products(kind, &processes[kind]))
     }
 
-    fn valued(&self, logs: &[LogProcess; 2]) -> Option<Valued> {
+    fn valued(&self, logs: &[LogProcess; 2]) -> Option<Likelihood> {
         let processes = logs.map(|of| Process::of_logs(&of));
         let products = self.products(&processes);
         let all = [&products[0], &products[1]];
-        let merit = self.with(&processes, all)?.merit;
-        merit.is_finite().then_some(Valued { merit, products })
+        let of = self.with(&processes, all)?;
+        of.merit.is_finite().then_some(Likelihood {
+            merit: of.merit,
+            answer: of.answer,
+            information: of.information,
+            products,
+        })
     }
 
-    /// Slope of the merit: of the numbers of one kind only that kind's products change.
-    fn slope(
+    /// Slope of the merit by every number of the kinds that are shown: with `x = A⁻¹ Jᵀ V⁻¹ r`, it changes by the products as
+    ///
+    /// ```text
+    /// tr (A⁻¹ dG_JJ) + yᵀ dG y,   y = (−x, 1)
+    /// ```
+    fn slope(&self, logs: &[LogProcess; 2], here: &Likelihood, kinds: &[usize]) -> DVector<f64> {
+        let (free, last) = (self.free, self.rows.count() - 1);
+        let mut direction = DVector::zeros(last + 1);
+        direction.rows_mut(0, free).copy_from(&-&here.answer);
+        direction[last] = 1.0;
+        let mut by_gram = &direction * direction.transpose();
+        let mut own = by_gram.view_mut((0, 0), (free, free));
+        own += here.information.inverse();
+        let mut slope = DVector::zeros(Process::COUNT * kinds.len());
+        for (at, kind) in kinds.iter().enumerate() {
+            let process = Process::of_logs(&logs[*kind]);
+            let of_rows = self.rows.slopes(*kind, &process, &by_gram, STEP);
+            let of_prior = penalty_slopes(&logs[*kind]);
+            for number in 0..Process::COUNT {
+                slope[Process::COUNT * at + number] = of_rows[number] + of_prior[number];
+            }
+        }
+        slope
+    }
+
+    /// Inverse second derivatives of the merit by each number alone.
+    fn inverse_curvatures(
         &self,
-        here: &Valued,
+        here: &Likelihood,
         logs: &[LogProcess; 2],
         size: usize,
         place: &dyn Fn(usize) -> (usize, usize),
-    ) -> Option<DVector<f64>> {
-        let mut slope = DVector::zeros(size);
+    ) -> Option<DMatrix<f64>> {
+        let mut inverse = DMatrix::zeros(size, size);
         for at in 0..size {
-            let (kind, number) = place(at);
-            let mut there = *logs;
-            there[kind][number] += STEP;
-            let processes = there.map(|of| Process::of_logs(&of));
-            let changed = self.rows.products(kind, &processes[kind]);
-            let all = match kind {
-                0 => [&changed, &here.products[1]],
-                _ => [&here.products[0], &changed],
-            };
-            let of = self.with(&processes, all)?;
-            slope[at] = (of.merit - here.merit) / STEP;
+            let beside = |by: f64| self.beside(here, logs, place(at), by);
+            let bent = beside(WIDE_STEP)? + beside(-WIDE_STEP)? - 2.0 * here.merit;
+            let bent = bent / WIDE_STEP.powi(2);
+            inverse[(at, at)] = bent.max(LEAST_CURVATURE).recip();
         }
-        Some(slope)
+        Some(inverse)
+    }
+
+    /// The merit where one number of one kind is another, by its logarithm: only that kind's products change.
+    fn beside(
+        &self,
+        here: &Likelihood,
+        logs: &[LogProcess; 2],
+        (kind, number): (usize, usize),
+        by: f64,
+    ) -> Option<f64> {
+        let mut there = *logs;
+        there[kind][number] += by;
+        let processes = there.map(|of| Process::of_logs(&of));
+        let changed = self.rows.products(kind, &processes[kind]);
+        let all = match kind {
+            0 => [&changed, &here.products[1]],
+            _ => [&here.products[0], &changed],
+        };
+        Some(self.with(&processes, all)?.merit)
     }
 
     fn with(
@@ -195,9 +283,27 @@ impl Restricted<'_> {
     }
 }
 
-struct Valued {
+struct Likelihood {
     merit: f64,
+    answer: DVector<f64>,
+    information: Cholesky<f64, Dyn>,
     products: [WhitenedProducts; 2],
+}
+
+/// Where a search for the likeliest errors ends.
+struct Search {
+    logs: [LogProcess; 2],
+    here: Likelihood,
+    inverse: DMatrix<f64>,
+}
+
+impl Search {
+    fn likely(&self) -> LikelyErrors {
+        LikelyErrors {
+            processes: self.logs.map(|of| Process::of_logs(&of)),
+            inverse: Some(self.inverse.clone()),
+        }
+    }
 }
 
 /// What numbers cost that are not as expected.
@@ -210,6 +316,12 @@ fn penalty(processes: &[Process; 2]) -> f64 {
             .sum()
     };
     processes.iter().map(|process| of(&process.logs())).sum()
+}
+
+/// Slopes of that by the logarithms of one process.
+fn penalty_slopes(logs: &LogProcess) -> LogProcess {
+    let expected = Process::EXPECTED.logs();
+    std::array::from_fn(|at| 2.0 * (logs[at] - expected[at]) / SPREADS[at].powi(2))
 }
 
 /// The inverse Hessian after a step, along which the slope changed so.
@@ -314,6 +426,28 @@ mod tests {
         assert!(off[2].abs() < 0.15, "{off:?}");
     }
 
+    #[test]
+    fn slopes_are_those_of_the_merit() {
+        let mut random = Random::default();
+        let (series, columns) = drawn(&mut random, 40);
+        let rows = SeriesRows::new(&series, &columns);
+        let priors = DMatrix::zeros(10, 10);
+        let of = about_parabola(&rows, &priors);
+        let logs = [Process::EXPECTED.logs(); 2];
+        let merit = |number: usize, by: f64| {
+            let mut there = logs;
+            there[0][number] += by;
+            of.valued(&there).expect("a likelihood").merit
+        };
+        let here = of.valued(&logs).expect("a likelihood");
+        let slope = of.slope(&logs, &here, &[0]);
+        for number in 0..Process::COUNT {
+            let expected = (merit(number, 1e-4) - merit(number, -1e-4)) / 2e-4;
+            let off = (slope[number] - expected).abs();
+            assert!(off < 1e-2 + 1e-3 * expected.abs(), "{number}: {off}");
+        }
+    }
+
     /// Where it ends no number of the process makes it less.
     #[test]
     fn nothing_near_by_is_likelier() {
@@ -329,7 +463,11 @@ mod tests {
                 logs[number] += by;
                 let there = [Process::of_logs(&logs), best.processes[1]];
                 let there = of.at(&there).expect("a likelihood").merit;
-                assert!(there > best.merit - 2e-3, "{number} {by}");
+                assert!(
+                    there > best.merit - 2e-3,
+                    "{number} {by}: {}",
+                    there - best.merit
+                );
             }
         }
     }

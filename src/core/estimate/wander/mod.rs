@@ -14,5 +14,5 @@ pub mod series;
 pub mod white;
 pub mod wrong;
 
-pub use filter::{Filter, Means, SampleInstant};
+pub use filter::{Filter, Gain, Means, SampleInstant};
 pub use process::Process;

@@ -1,9 +1,9 @@
 //! Residuals of a motion, linearised, series by series.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 
-use super::filter::{Filter, Means, SampleInstant};
-use super::process::Process;
+use super::filter::{Filter, Gain, GainSlopes, Means, SampleInstant};
+use super::process::{LogProcess, Process};
 use super::white::WhiteProducts;
 use crate::motion::TrackIndex;
 
@@ -48,6 +48,22 @@ pub struct WhitenedProducts {
     pub gram: DMatrix<f64>,
     /// `ln |V|`.
     pub log_variance: f64,
+}
+
+/// The three columns of each sample.
+fn axes(rows: &mut DMatrix<f64>) -> impl Iterator<Item = DMatrixViewMut<'_, f64>> {
+    let count = rows.nrows();
+    let samples = rows.as_mut_slice().chunks_exact_mut(3 * count);
+    samples.map(move |three| DMatrixViewMut::from_slice(three, count, 3))
+}
+
+impl RowsOfSeries {
+    /// Gains of its samples, and `ln |V|` of their three axes.
+    fn gains(&self, process: &Process) -> (Vec<Gain>, f64) {
+        let mut filter = Filter::new(process);
+        let gains = self.taken.iter().map(|taken| filter.next(taken)).collect();
+        (gains, 3.0 * filter.log_variance())
+    }
 }
 
 impl SeriesRows {
@@ -130,6 +146,51 @@ impl SeriesRows {
     pub fn unit(&self, kind: usize) -> f64 {
         let of_kind = self.series.iter().filter(|of| of.kind == kind);
         of_kind.map(|of| of.unit).fold(0.0, f64::max)
+    }
+
+    /// Slopes, by the logarithm of each number of such a process, of a function of the products of the samples of one kind and
+    /// of their `ln |V|`: with its slopes `by_gram` by the products, a symmetric matrix, and one by `ln |V|`. Gains and
+    /// variances change by differences with a step of the logarithms, all else exactly.
+    pub fn slopes(
+        &self,
+        kind: usize,
+        process: &Process,
+        by_gram: &DMatrix<f64>,
+        step: f64,
+    ) -> LogProcess {
+        let numbers = 3 * self.count;
+        let mut slopes = [0.0; Process::COUNT];
+        for of in self.series.iter().filter(|of| of.kind == kind) {
+            let (gains, log_variance) = of.gains(process);
+            let (mut means, mut back) = (Means::new(numbers), GainSlopes::new(numbers));
+            let mut white = of.numbers.clone();
+            for (gain, numbers) in gains.iter().zip(white.chunks_exact_mut(numbers)) {
+                back.push(&means);
+                means.whiten(gain, numbers);
+            }
+            // A column for each axis of each sample.
+            let mut rows = DMatrix::zeros(self.count, 3 * gains.len());
+            for (mut three, white) in axes(&mut rows).zip(white.chunks_exact(numbers)) {
+                three.tr_copy_from(&DMatrixView::from_slice(white, 3, self.count));
+            }
+            let mut by_rows = by_gram * rows * 2.0;
+            let mut by_gains: Vec<Gain> = Vec::new();
+            let each = gains.iter().zip(white.chunks_exact(numbers));
+            let each: Vec<_> = each.zip(axes(&mut by_rows)).collect();
+            for ((gain, white), three) in each.into_iter().rev() {
+                let by_white = three.transpose();
+                by_gains.push(back.pop(gain, white, by_white.as_slice()));
+            }
+            for (number, slope) in slopes.iter_mut().enumerate() {
+                let mut logs = process.logs();
+                logs[number] += step;
+                let (there, log_variance_there) = of.gains(&Process::of_logs(&logs));
+                let each = gains.iter().zip(&there).zip(by_gains.iter().rev());
+                let change = each.map(|((here, there), slopes)| here.change(slopes, there));
+                *slope += (change.sum::<f64>() + log_variance_there - log_variance) / step;
+            }
+        }
+        slopes
     }
 
     /// Products of the samples of one kind, whose errors are such a process.
