@@ -22,9 +22,10 @@ use super::stages::{account, cut, doubts, solve};
 use super::warm::{self, Known};
 use crate::estimate::{self, Recipe, Solved};
 use crate::motion::{
-    Estimate, EventKind, Observer, Phase, Scene, Segment, Sketch, TakeEvent, Verdict,
+    Estimate, EventKind, Observer, Penetration, Phase, Scene, Segment, Sketch, TakeEvent, Verdict,
 };
 use crate::segment;
+use crate::verify::overlaps;
 
 /// Growth of the number of samples after which the estimation begins anew.
 const GROWTH: f64 = 1.5;
@@ -73,7 +74,8 @@ impl Begun {
 /// A preview.
 #[derive(Clone, Copy, Debug)]
 pub struct Previewed<'a> {
-    /// The estimate of the marked part of the scene; overlaps of bodies were not checked.
+    /// The estimate of the marked part of the scene, with a doubt where solids overlap; it is not led out of them, and nothing
+    /// else is checked.
     pub outcome: &'a Outcome,
     /// Whether it continued from the previous one.
     pub is_warm: bool,
@@ -152,7 +154,12 @@ impl Preview {
         account(&self.scene, &sketch, &cut.segments, &mut counts);
         let (segments, solved) = (cut.segments.clone(), inferred.solved.estimate.verdict);
         let mut outcome = Outcome::unchecked(inferred, cut.marks_made_s, sketch, counts, observer);
-        let doubts = doubts(&outcome);
+        let mut doubts = doubts(&outcome);
+        if outcome.estimate.verdict != Verdict::Failed {
+            let found = overlaps(&outcome.scene, &outcome.estimate, observer);
+            let deepest = found.into_iter().fold(None, |deepest, of| Penetration::deeper(deepest, Some(of)));
+            doubts.extend(deepest.map(|of| of.doubt(outcome.scene.tolerance_m)));
+        }
         outcome.estimate.doubt(doubts);
         let last = self.last.insert(Last {
             asked: scene,
