@@ -12,6 +12,7 @@ mod free;
 mod groups;
 mod infer;
 mod joined;
+mod keep_out;
 mod led;
 mod outcome;
 mod perform;
@@ -25,6 +26,7 @@ mod warm;
 
 use self::diagnose::diagnose;
 use self::groups::Groups;
+use self::keep_out::{goes_into_something, kept_out};
 use self::led::LedByGoals;
 pub use self::outcome::{Outcome, PipelineError};
 use self::perform::{Performed, Prepared};
@@ -34,8 +36,8 @@ pub use self::search::SearchWork;
 use self::stages::doubts;
 use crate::estimate::{LastState, Solved};
 use crate::motion::{
-    Counted, Diagnosis, End, EventKind, Mark, Observer, Phase, Scene, Stamp, TakeEvent, TrackIndex,
-    Verdict,
+    Counted, Diagnosis, Doubt, End, EventKind, Mark, Observer, Phase, Scene, Stamp, TakeEvent,
+    TrackIndex, Verdict,
 };
 use crate::segment;
 use crate::verify::verify_until;
@@ -257,34 +259,41 @@ impl Pipeline {
         let mut solved = self.solved(scene, &mut counted)?;
         let Counted { observer, work } = counted;
         let sought = rest::seek(&mut solved, &self.events, observer);
-        solved.judge(observer);
-        let led = LedByGoals::of(&solved, &self.events, observer)?;
-        if let Some(led) = &led {
-            led.clear(&mut solved);
-        }
+        let mut led = self.judged(&mut solved, observer)?;
         let mut freed = Vec::new();
         if self.is_free_auto && sought.is_none() {
             (solved, freed) = free::free(solved, &self.events, observer)?;
         }
         let predicting = self.is_predicting.then_some(&solved.inferred.solved);
         let known = predicting.and_then(Solved::last_states);
+        let may_keep_out = !self.is_predicting && sought.is_none();
+        let overlapping = may_keep_out.then(|| solved.clone());
         let mut outcome = solved.outcome(observer);
-        outcome.freed = freed;
         if self.is_predicting {
             outcome.end_where_it_touches();
         }
-        if outcome.estimate.verdict != Verdict::Failed {
-            observer.phase(Phase::Verify);
-            outcome.verification = verify_until(&outcome.scene, &outcome.estimate, observer);
-            let doubts = doubts(&outcome);
-            outcome.estimate.doubt(match led {
-                Some(led) => led.instead_of(doubts),
-                None => doubts,
-            });
-            if outcome.verification.is_none() {
-                outcome.estimate.is_not_verified();
+        checked(&mut outcome, led, Vec::new(), observer);
+        let into = outcome
+            .verification
+            .as_ref()
+            .is_some_and(goes_into_something);
+        if let Some(mut mended) = overlapping
+            .filter(|_| into)
+            .and_then(|of| kept_out(of, observer))
+        {
+            led = self.judged(&mut mended, observer)?;
+            let passed = mended.inferred.solved.just_passed(scene.tolerance_m);
+            let mut other = mended.outcome(observer);
+            checked(&mut other, led, passed, observer);
+            let is_out = other
+                .verification
+                .as_ref()
+                .is_some_and(|of| !goes_into_something(of));
+            if is_out {
+                outcome = other;
             }
         }
+        outcome.freed = freed;
         // What was led to its rest is as far from the performance as that takes.
         let is_led = matches!(outcome.estimate.reason.end, End::Simulated(_));
         if self.is_diagnosing && !is_led {
@@ -295,6 +304,20 @@ impl Pipeline {
             known,
             sought,
         })
+    }
+
+    /// Looks whether a motion explains the performance, and whether it is its goals that lead it away.
+    fn judged(
+        &self,
+        take: &mut Performed,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<LedByGoals>, PipelineError> {
+        take.judge(observer);
+        let led = LedByGoals::of(take, &self.events, observer)?;
+        if let Some(led) = &led {
+            led.clear(take);
+        }
+        Ok(led)
     }
 
     /// Likely mistakes in what is said of a take for which [`finish`](Self::finish) gives an error.
@@ -335,6 +358,29 @@ impl Pipeline {
     /// Number of marks: it determines how often a repeated collision happens.
     pub fn marks(&self) -> usize {
         perform::marks(&self.events)
+    }
+}
+
+/// Checks a motion, with what its goals cost and what it only just passes.
+fn checked(
+    outcome: &mut Outcome,
+    led: Option<LedByGoals>,
+    passed: Vec<Doubt>,
+    observer: &mut dyn Observer,
+) {
+    if outcome.estimate.verdict == Verdict::Failed {
+        return;
+    }
+    observer.phase(Phase::Verify);
+    outcome.verification = verify_until(&outcome.scene, &outcome.estimate, observer);
+    let mut doubts = doubts(outcome);
+    doubts.extend(passed);
+    outcome.estimate.doubt(match led {
+        Some(led) => led.instead_of(doubts),
+        None => doubts,
+    });
+    if outcome.verification.is_none() {
+        outcome.estimate.is_not_verified();
     }
 }
 

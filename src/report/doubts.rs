@@ -83,6 +83,19 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
                  {most_mm:.1} mm"
             )
         }
+        About::KeptOut => {
+            let (against, time_s) = match doubt.place {
+                Place::Inside {
+                    against, time_s, ..
+                } => (scene.name_of(against), time_s),
+                _ => ("something", 0.0),
+            };
+            format!(
+                "{subject} would be {:.1} mm inside `{against}` at {time_s:.3} s if nothing kept it out, and only just \
+                 passes it: where it was hit there, a bounce is missing",
+                value * 1e3
+            )
+        }
         About::Rest => not_at_rest_so(scene, doubt, &subject),
         About::Steps => format!(
             "integrated with steps of half the length {subject} is {:.3} mm elsewhere, expected at most {:.3} mm",

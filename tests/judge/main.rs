@@ -3,4 +3,5 @@
 mod adequacy;
 mod credible;
 mod diagnosis;
+mod keep_out;
 mod verdict;

@@ -1,5 +1,6 @@
 //! The problem of a scene and a sketch: which arcs there are, what ties them, and what is free.
 
+pub(in crate::estimate) mod clearance;
 pub(in crate::estimate) mod conditions;
 pub(in crate::estimate) mod nodes;
 pub(in crate::estimate) mod regulariser;
@@ -165,6 +166,7 @@ impl Problem {
             parameters: scene.parameters.clone(),
             bounded: bounded(scene),
             cones: scene.cones.clone(),
+            clearances: Vec::new(),
             velocity_gap_weight: None,
             tempo_sd_per_sqrt_s: match scene.timing {
                 Timing::Known | Timing::Edited => None,

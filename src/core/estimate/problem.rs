@@ -1,6 +1,7 @@
 //! The estimation problem in the solver's terms: arcs, events, constraints and free unknowns.
 
 pub mod arc_condition;
+pub mod clearance;
 pub mod influence;
 pub(in crate::estimate) mod pull;
 pub mod weave;
@@ -11,6 +12,7 @@ use nalgebra::{Matrix6, UnitQuaternion, Vector3};
 use typed_index_collections::TiVec;
 
 use self::arc_condition::ArcCondition;
+use self::clearance::Clearance;
 use self::influence::{Acting, Role};
 use self::pull::Pull;
 use self::weave::Weave;
@@ -456,6 +458,8 @@ pub struct Problem {
     pub bounded: Vec<Bounded>,
     /// Pairs of parameters within a circle.
     pub cones: Vec<Cone>,
+    /// Solids that would go into each other otherwise; none before a motion showed them.
+    pub clearances: Vec<Clearance>,
     /// Weight of a squared unit of velocity gap; `None` where velocities must follow the impact
     /// law.
     pub velocity_gap_weight: Option<f64>,

@@ -1,6 +1,7 @@
 //! The stage as the pipeline calls it: from guesses to an estimate, with standard deviations on
 //! request.
 
+mod apart;
 pub mod bound;
 pub(in crate::estimate) mod deviation;
 pub mod last;

@@ -21,6 +21,7 @@ use crate::optimise::{Program, Schedule, System};
 use crate::physics::{Body, Drag, Shape, State, contact, flow, impact};
 
 mod approach;
+mod clearance;
 pub(super) mod conditions;
 mod held;
 mod waypoints;

@@ -23,6 +23,8 @@ pub struct Doubt {
 pub enum About {
     /// Depth of an overlap of solids.
     Overlap,
+    /// Depth to which solids would overlap that are kept out of each other, and only just pass.
+    KeptOut,
     /// How much nearer another part is than the one that is expected to touch.
     WrongFeature,
     /// Speed of a body's fastest point.
@@ -93,6 +95,7 @@ impl About {
     pub fn as_str(self) -> &'static str {
         match self {
             About::Overlap => "overlap",
+            About::KeptOut => "kept_out",
             About::WrongFeature => "wrong_feature",
             About::Speed => "speed",
             About::Spin => "spin",
@@ -129,7 +132,9 @@ impl About {
     /// Its unit; empty for ratios, and for a parameter, which has its own.
     pub fn unit(self) -> &'static str {
         match self {
-            About::Overlap | About::WrongFeature | About::Steps | About::Gap => "m",
+            About::Overlap | About::KeptOut | About::WrongFeature | About::Steps | About::Gap => {
+                "m"
+            }
             About::Speed | About::Receding => "m/s",
             About::Spin => "rad/s",
             About::Orientation | About::FallDirection | About::Rest | About::Limit => "rad",
@@ -171,7 +176,9 @@ impl About {
     /// hand moves so.
     pub fn best(self) -> Verdict {
         match self {
-            About::Outside | About::AtBound | About::Ambiguity | About::Led => Verdict::Physical,
+            About::KeptOut | About::Outside | About::AtBound | About::Ambiguity | About::Led => {
+                Verdict::Physical
+            }
             About::Overlap
             | About::WrongFeature
             | About::Residual

@@ -10,6 +10,7 @@ pub mod features;
 pub mod flow;
 pub mod impact;
 pub mod observe;
+pub mod outline;
 pub mod shape;
 pub mod state;
 pub mod tree;

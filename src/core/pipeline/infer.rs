@@ -15,6 +15,7 @@ use crate::motion::{
 const FAR: f64 = 60.0;
 
 /// A motion, with a scene in which all contacts are known.
+#[derive(Clone)]
 pub(super) struct Inferred {
     pub(super) scene: Scene,
     pub(super) solved: Solved,

@@ -23,6 +23,7 @@ pub(super) struct Prepared {
 }
 
 /// A motion, and the performance that it is of.
+#[derive(Clone)]
 pub(super) struct Performed {
     pub(super) inferred: Inferred,
     pub(super) sketch: Sketch,
@@ -67,7 +68,8 @@ impl Performed {
         solved.judge(performance, observer);
     }
 
-    fn parts(&mut self) -> (&mut Solved, Performance<'_>) {
+    /// The motion, and the performance that it is of.
+    pub(super) fn parts(&mut self) -> (&mut Solved, Performance<'_>) {
         let Inferred { scene, solved, .. } = &mut self.inferred;
         let performance = Performance {
             scene,

@@ -22,9 +22,10 @@ use super::stages::{account, cut, doubts, solve};
 use super::warm::{self, Known};
 use crate::estimate::{self, Deviations, Recipe, Solved};
 use crate::motion::{
-    Estimate, EventKind, Observer, Phase, Scene, Segment, Sketch, TakeEvent, Verdict,
+    Estimate, EventKind, Observer, Penetration, Phase, Scene, Segment, Sketch, TakeEvent, Verdict,
 };
 use crate::segment;
+use crate::verify::overlaps;
 
 /// Growth of the number of samples after which the estimation begins anew.
 const GROWTH: f64 = 1.5;
@@ -73,7 +74,8 @@ impl Begun {
 /// A preview.
 #[derive(Clone, Copy, Debug)]
 pub struct Previewed<'a> {
-    /// The estimate of the marked part of the scene; overlaps of bodies were not checked.
+    /// The estimate of the marked part of the scene, with a doubt where solids overlap; it is not led out of them, and nothing
+    /// else is checked.
     pub outcome: &'a Outcome,
     /// Whether it continued from the previous one.
     pub is_warm: bool,
@@ -159,7 +161,14 @@ impl Preview {
             Deviations::OfNumbers,
             observer,
         );
-        let doubts = doubts(&outcome);
+        let mut doubts = doubts(&outcome);
+        if outcome.estimate.verdict != Verdict::Failed {
+            let found = overlaps(&outcome.scene, &outcome.estimate, observer);
+            let deepest = found
+                .into_iter()
+                .fold(None, |deepest, of| Penetration::deeper(deepest, Some(of)));
+            doubts.extend(deepest.map(|of| of.doubt(outcome.scene.tolerance_m)));
+        }
         outcome.estimate.doubt(doubts);
         let last = self.last.insert(Last {
             asked: scene,

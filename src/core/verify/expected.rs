@@ -45,50 +45,9 @@ pub(super) fn expected(
     groups
 }
 
-/// The point nearest to `point_m` on a feature's skeleton (centre, axis, circle, plane), and the
-/// radius of the feature about it [m, body].
-pub(super) fn skeleton(feature: &Feature, point_m: &Vector3<f64>) -> (Vector3<f64>, f64) {
-    match *feature {
-        Feature::Point {
-            point_m: centre_m,
-            radius_m,
-        } => (centre_m, radius_m),
-        Feature::Line {
-            point_m: on_line_m,
-            direction,
-            radius_m,
-        } => {
-            let along_m = direction.dot(&(point_m - on_line_m));
-            (on_line_m + direction * along_m, radius_m)
-        }
-        Feature::Rim {
-            centre_m,
-            axis,
-            radius_m,
-        } => {
-            let offset_m = point_m - centre_m;
-            let radial_m = offset_m - axis * axis.dot(&offset_m);
-            let outward = radial_m
-                .try_normalize(ON_M)
-                .unwrap_or_else(|| axis.cross(&Vector3::ith(axis.iamin(), 1.0)).normalize());
-            (centre_m + outward * radius_m, 0.0)
-        }
-        Feature::Face {
-            point_m: on_face_m,
-            normal,
-        } => (point_m - normal * normal.dot(&(point_m - on_face_m)), 0.0),
-    }
-}
-
-/// Distance of a point from a feature's surface \[m\].
-fn distance_m(feature: &Feature, point_m: &Vector3<f64>) -> f64 {
-    let (skeleton_m, radius_m) = skeleton(feature, point_m);
-    ((point_m - skeleton_m).norm() - radius_m).abs()
-}
-
 /// Whether a point lies on a feature's surface [m, its axes].
 pub(super) fn is_on(feature: &Feature, point_m: &Vector3<f64>) -> bool {
-    distance_m(feature, point_m) < ON_M
+    feature.distance_m(point_m) < ON_M
 }
 
 /// The feature to which a point of the body's surface belongs: the nearest of those that are
@@ -103,7 +62,7 @@ pub(super) fn owner(
     let near_m = NEAR * link.shape.radius_m();
     (0..link.features.len())
         .map(|feature| {
-            let distance_m = distance_m(&link.features[feature].geometry, point_m);
+            let distance_m = link.features[feature].geometry.distance_m(point_m);
             let distance_m = if distance_m < ON_M { 0.0 } else { distance_m };
             let is_expected = expected.contains(&feature);
             let is_own = !is_expected && !is_declared[feature];
@@ -167,7 +126,7 @@ mod tests {
                 3.0,
             ),
         ] {
-            assert!((distance_m(&feature, &point) - expected).abs() < 1e-14);
+            assert!((feature.distance_m(&point) - expected).abs() < 1e-14);
         }
     }
 }

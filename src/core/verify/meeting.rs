@@ -260,7 +260,7 @@ impl MeetingPair<'_> {
     /// nearest to `near_m` [m, link].
     pub(super) fn feature_gap_m(&self, time_s: f64, feature: usize, near_m: &Vector3<f64>) -> f64 {
         let geometry = &self.link.of_scene.features[feature].geometry;
-        let (centre_m, radius_m) = expected::skeleton(geometry, near_m);
+        let (centre_m, radius_m) = geometry.skeleton_m(near_m);
         let world_from_link = self.link.state(self.arc, time_s).world_from_body();
         let centre_m = world_from_link * Point3::from(centre_m);
         let ball = Solid::ball(radius_m);

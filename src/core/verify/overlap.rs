@@ -75,6 +75,19 @@ fn deepest_of<'w>(
     deepest
 }
 
+/// The deepest overlap of every meeting in which it is above the tolerance and no expected contact explains it; those that
+/// were found until the observer ended it.
+pub(super) fn each(world: &World, observer: &mut dyn Observer) -> Vec<Penetration> {
+    let mut found = Vec::new();
+    for meeting in world.meetings() {
+        if observer.should_stop() {
+            break;
+        }
+        found.extend(OverlapScan::new(world, &meeting).run(&mut [], observer));
+    }
+    found
+}
+
 /// When the first body that goes deeper into another, or into what stands, than the tolerance begins to \[s\].
 pub(super) fn begins_s(world: &World) -> Option<f64> {
     let begins = world

@@ -50,6 +50,18 @@ pub fn deepest_between(
     overlap::deepest_between(&World::new(scene, estimate), are_apart, observer)
 }
 
+/// Every pair of solids that a motion leads into each other, deeper than the scene may be inaccurate and than expected
+/// contacts explain, flight by flight where they are deepest: what is found until the observer ends it.
+///
+/// The estimate's arcs must be finite and the scene valid.
+pub fn overlaps(
+    scene: &Scene,
+    estimate: &Estimate,
+    observer: &mut dyn Observer,
+) -> Vec<Penetration> {
+    overlap::each(&World::new(scene, estimate), observer)
+}
+
 /// When a motion begins to go into something, deeper than the scene may be inaccurate \[s\]; `None` where it does not.
 ///
 /// The estimate's arcs must be finite and the scene valid.

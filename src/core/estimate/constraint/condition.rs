@@ -11,23 +11,20 @@
 //! time (a height near an apex), its second derivative by the event's time is given: nothing else
 //! says where it is.
 
-mod reached;
 mod touched;
 
 use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use self::reached::{Reached, ReachedEnd};
 use self::touched::TouchedPoint;
 use super::kind::{At, Constraint, Filled};
 use super::quantity::{self, ByState, Valued};
+use super::reached::Reached;
 use super::within::{self, WithinRow};
 use crate::estimate::problem::arc_condition::{ArcCondition, Rows};
 use crate::estimate::problem::influence::Influence;
 use crate::estimate::problem::{Problem, unit};
-use crate::estimate::reach::arc_end::ArcEnd;
-use crate::estimate::reach::arrival::GeneralArrival;
 use crate::estimate::terms::modelled::TouchedPair;
 use crate::estimate::unknowns::layout::Layout;
 use crate::math::so3;
@@ -141,32 +138,8 @@ impl ArcCondition {
         }
         let gravity_m_s2 = problem.gravity(&point.parameters);
         let time_s = at.event_time_s(self.event);
-        let reached = self.arcs.iter().map(|arc| {
-            let flight = (&point.arcs[*arc], at.epochs_s[*arc]);
-            let (end, body) = if problem.arcs[*arc].is_plain {
-                let body = problem.body_of(*arc);
-                (
-                    ReachedEnd::Plain(Box::new(ArcEnd::new(
-                        body,
-                        &gravity_m_s2,
-                        &point.arcs[*arc],
-                        at.epochs_s[*arc],
-                        time_s,
-                    ))),
-                    *body,
-                )
-            } else {
-                let bodies = problem.bodies_at(&point.parameters)?;
-                let body = bodies[problem.arcs[*arc].mechanism];
-                let arrival = GeneralArrival::new(problem, point, *arc, flight.1, time_s)?;
-                (ReachedEnd::General(Box::new(arrival)), body)
-            };
-            Some(Reached {
-                end,
-                body,
-                gravity_m_s2: &gravity_m_s2,
-            })
-        });
+        let reached = self.arcs.iter();
+        let reached = reached.map(|arc| Reached::new(at, *arc, &gravity_m_s2, time_s));
         let reached: Vec<Reached> = reached.collect::<Option<_>>()?;
         let touching = match &self.touched {
             Some(touched) => Some(

@@ -116,6 +116,7 @@ impl Problem {
         let cones = self.cones.iter().map(|of| of as &dyn Constraint);
         let samples = self.sample_orders.iter().map(|of| of as &dyn Constraint);
         let times = self.time_bounds.iter().map(|of| of as &dyn Constraint);
+        let clearances = self.clearances.iter().map(|of| of as &dyn Constraint);
         collisions
             .chain(goals)
             .chain(conditions)
@@ -124,5 +125,6 @@ impl Problem {
             .chain(cones)
             .chain(ordered)
             .chain(samples)
+            .chain(clearances)
     }
 }

@@ -1,11 +1,12 @@
 //! Constraints as rows `lower ≤ c ≤ upper` in the units of [`unit`](crate::estimate::problem::unit), one kind
 //! per file: a [`collision`] (paper eq. 3, 8; `contact` and approach, §5.2, then `continuity`
 //! through the impact), a `goal` (§3.1), any other `condition` that a goal is, a bound of an event's `time`, the `bound` of a parameter, a
-//! `cone` of two (§6), the `order` of two events (eq. 7).
+//! `cone` of two (§6), the `order` of two events (eq. 7), a `clearance` of two solids.
 //!
 //! [`Constraint`] is the interface of all kinds; rows are stored in a [`crate::optimise::block`].
 
 pub(in crate::estimate) mod bound;
+mod clearance;
 pub mod collision;
 mod condition;
 pub(in crate::estimate) mod cone;
@@ -16,6 +17,7 @@ mod goal;
 mod kind;
 mod order;
 pub(in crate::estimate) mod quantity;
+mod reached;
 mod rows;
 mod sample_order;
 mod time;

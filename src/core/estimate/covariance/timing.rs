@@ -91,7 +91,7 @@ pub(in crate::estimate) fn event_time_s(problem: &Problem, point: &Point, event:
 
 /// The node at or before an event's mark and the share of the interval to the next; the first or
 /// the last node where the mark lies outside of all.
-fn place(problem: &Problem, event: usize) -> (usize, f64) {
+pub(in crate::estimate) fn place(problem: &Problem, event: usize) -> (usize, f64) {
     let nodes = &problem.nodes_acted_s;
     let acted_s = problem.events_acted_s[event];
     let after = nodes.partition_point(|node| *node <= acted_s);

@@ -183,7 +183,7 @@ pub(in crate::estimate) fn flight_at(
 }
 
 /// What acts on arcs, and on a surface that is touched.
-fn acting(
+pub(in crate::estimate) fn acting(
     arcs: &[Arc],
     of: &[usize],
     gravity_parameters: &[Option<usize>; 3],

@@ -87,7 +87,7 @@ impl Program for SolveContext<'_> {
 
     fn is_curved(&self) -> bool {
         let mut conditions = self.problem.conditions.iter();
-        conditions.any(|of| of.is_curved() && !of.is_soft())
+        conditions.any(|of| of.is_curved() && !of.is_soft()) || !self.problem.clearances.is_empty()
     }
 
     fn information(&self) -> (f64, f64) {

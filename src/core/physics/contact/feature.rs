@@ -8,6 +8,9 @@ use crate::math::Pose;
 /// Greatest deviation of a direction's length from one: the rounding error of a normalised vector.
 const UNIT_TOLERANCE: f64 = 1e-9;
 
+/// Distance from a rim's axis below which all of the rim is equally near \[m\].
+const ON_AXIS_M: f64 = 1e-6;
+
 /// A part of a solid's surface that may touch another, in the solid's own axes.
 ///
 /// Radii round a feature: a corner of radius `r` is the ball about it, a line of radius `r` the
@@ -120,6 +123,47 @@ impl Feature {
             }
             | Feature::Face { point_m, .. } => point_m,
         }
+    }
+
+    /// The point nearest to another on the feature's skeleton (centre, axis, circle, plane), and the radius of the
+    /// feature about it [m, its solid's axes].
+    pub fn skeleton_m(&self, point_m: &Vector3<f64>) -> (Vector3<f64>, f64) {
+        match *self {
+            Feature::Point {
+                point_m: centre_m,
+                radius_m,
+            } => (centre_m, radius_m),
+            Feature::Line {
+                point_m: on_line_m,
+                direction,
+                radius_m,
+            } => {
+                let along_m = direction.dot(&(point_m - on_line_m));
+                (on_line_m + direction * along_m, radius_m)
+            }
+            Feature::Rim {
+                centre_m,
+                axis,
+                radius_m,
+            } => {
+                let offset_m = point_m - centre_m;
+                let radial_m = offset_m - axis * axis.dot(&offset_m);
+                let outward = radial_m
+                    .try_normalize(ON_AXIS_M)
+                    .unwrap_or_else(|| axis.cross(&Vector3::ith(axis.iamin(), 1.0)).normalize());
+                (centre_m + outward * radius_m, 0.0)
+            }
+            Feature::Face {
+                point_m: on_face_m,
+                normal,
+            } => (point_m - normal * normal.dot(&(point_m - on_face_m)), 0.0),
+        }
+    }
+
+    /// Distance of a point from the feature's surface [m, its solid's axes].
+    pub fn distance_m(&self, point_m: &Vector3<f64>) -> f64 {
+        let (skeleton_m, radius_m) = self.skeleton_m(point_m);
+        ((point_m - skeleton_m).norm() - radius_m).abs()
     }
 
     /// Its kind as a word for messages.

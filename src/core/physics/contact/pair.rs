@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::error::ContactError;
 use super::feature::Feature;
+use super::touch::Frame;
 
 /// A pair of features that may touch: one of a body A, one of a body B or of the static world.
 ///
@@ -58,9 +59,18 @@ pub(super) enum Pair {
     RimFace(Circle, Plane),
     PointPoint(Ball, Ball),
     PointLine(Ball, Tube),
-    /// The flag is true where the normal points to the side of A's centre of mass; otherwise it
-    /// points from B's line to A's.
-    LineLine(Tube, Tube, bool),
+    LineLine(Tube, Tube, Outward),
+}
+
+/// To which side the normal of two lines points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Outward {
+    /// To that of A's centre of mass.
+    Centre,
+    /// From B's line to A's.
+    Apart,
+    /// Along `dA × dB` of their directions times this sign.
+    Crossed(f64),
 }
 
 impl Contact {
@@ -97,6 +107,17 @@ impl Contact {
             mirrored,
             tangents,
         })
+    }
+
+    /// The contact of two lines with the normal, in these poses, on the side of the given one \[world\], and always
+    /// on that side of both lines: their gap is then smooth, and negative as deep as they go through each other. Other
+    /// contacts stay.
+    pub fn towards(mut self, a: &Frame, b: &Frame, normal: &Vector3<f64>) -> Self {
+        if let Pair::LineLine(p, q, outward) = &mut self.pair {
+            let cross = (a.orientation * p.direction).cross(&(b.orientation * q.direction));
+            *outward = Outward::Crossed(cross.dot(normal).signum());
+        }
+        self
     }
 
     /// A's feature.
@@ -139,7 +160,12 @@ fn pair(a: &Feature, b: &Feature) -> Result<Option<Pair>, ContactError> {
             if !centre_is_outside && p.radius_m + q.radius_m == 0.0 {
                 return Err(ContactError::LineThroughCentre);
             }
-            Pair::LineLine(p, q, centre_is_outside)
+            let outward = if centre_is_outside {
+                Outward::Centre
+            } else {
+                Outward::Apart
+            };
+            Pair::LineLine(p, q, outward)
         }
         _ => return Ok(None),
     }))

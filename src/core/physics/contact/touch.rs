@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::error::Degenerate;
-use super::pair::{Ball, Circle, Contact, Pair, Plane, Tube};
+use super::pair::{Ball, Circle, Contact, Outward, Pair, Plane, Tube};
 use crate::math::so3;
 use crate::physics::state::State;
 
@@ -128,7 +128,7 @@ impl Pair {
             Pair::RimFace(circle, plane) => rim_face(circle, plane, a, b),
             Pair::PointPoint(p, q) => point_point(p, q, a, b),
             Pair::PointLine(ball, tube) => point_line(ball, tube, a, b),
-            Pair::LineLine(p, q, by_centre) => line_line(p, q, *by_centre, a, b),
+            Pair::LineLine(p, q, outward) => line_line(p, q, *outward, a, b),
         }
     }
 }
@@ -214,7 +214,7 @@ fn point_line(
 fn line_line(
     p: &Tube,
     q: &Tube,
-    by_centre: bool,
+    outward: Outward,
     a: &Placed,
     b: &Placed,
 ) -> Result<(Touch, Measure), Degenerate> {
@@ -225,10 +225,10 @@ fn line_line(
     if !(sine >= LEAST_SINE) {
         return Err(Degenerate::ParallelLines);
     }
-    let outward = if by_centre {
-        -(a.rotation * p.point_m)
-    } else {
-        apart
+    let outward = match outward {
+        Outward::Centre => -(a.rotation * p.point_m),
+        Outward::Apart => apart,
+        Outward::Crossed(sign) => cross * sign,
     };
     let cross = if cross.dot(&outward) < 0.0 {
         -cross

@@ -132,6 +132,31 @@ impl Solid {
         (&self.shape, &self.shape_from_parry)
     }
 
+    /// Its convex parts, each a solid in the same axes.
+    pub fn parts_alone(&self) -> Vec<Solid> {
+        let parts = self.convex().into_iter();
+        parts
+            .map(|(shape_from_parry, shape)| Self {
+                shape: shape.clone(),
+                shape_from_parry,
+            })
+            .collect()
+    }
+
+    /// The point farthest along a direction, both in the solid's own axes \[m\]; of several one.
+    pub fn support_m(&self, along: &Vector3<f64>) -> Vector3<f64> {
+        let supports = self.convex().into_iter().map(|(self_from_part, shape)| {
+            let local = self_from_part.rotation.inverse() * to_parry(along);
+            let support = shape
+                .as_support_map()
+                .expect("convex shapes have support points")
+                .local_support_point(local);
+            from_parry(self_from_part * support)
+        });
+        let farthest = supports.max_by(|a, b| a.dot(along).total_cmp(&b.dot(along)));
+        farthest.expect("solids have a part at least")
+    }
+
     /// Its convex solids, each with its pose in the solid's own axes.
     fn convex(&self) -> Vec<(ParryPose, &SharedShape)> {
         match self.shape.as_compound() {
@@ -192,16 +217,7 @@ impl Solid {
     ) -> Result<Closest, ShapeError> {
         pose_to_parry(world_from_self)?;
         let down = world_from_self.rotation.inverse_transform_vector(&-normal);
-        let supports = self.convex().into_iter().map(|(self_from_part, shape)| {
-            let local = self_from_part.rotation.inverse() * to_parry(&down);
-            let support = shape
-                .as_support_map()
-                .expect("convex shapes have support points")
-                .local_support_point(local);
-            from_parry(self_from_part * support)
-        });
-        let lowest = supports.max_by(|a, b| a.dot(&down).total_cmp(&b.dot(&down)));
-        let point_m = lowest.expect("solids have a part at least");
+        let point_m = self.support_m(&down);
         let in_world_m = (world_from_self * nalgebra::Point3::from(point_m)).coords;
         let gap_m = normal.dot(&(in_world_m - plane_point_m));
         Ok(Closest {

@@ -1,15 +1,16 @@
-//! An arc's state at a condition's event, with derivatives in whichever form serves.
+//! An arc's state at a time, with derivatives in whichever form serves.
 
 use nalgebra::Vector3;
 
-use crate::estimate::constraint::quantity::ByState;
+use super::kind::At;
+use super::quantity::ByState;
 use crate::estimate::problem::influence::Influence;
 use crate::estimate::reach::arc_end::{self, ArcEnd};
 use crate::estimate::reach::arrival::GeneralArrival;
 use crate::physics::state::{StateTangent, part};
 use crate::physics::{Body, State, flow};
 
-/// An arc's state at the event with its derivatives.
+/// An arc's state at a time with its derivatives.
 pub(super) struct Reached<'a> {
     pub(super) end: ReachedEnd,
     pub(super) body: Body,
@@ -22,7 +23,33 @@ pub(super) enum ReachedEnd {
     General(Box<GeneralArrival>),
 }
 
-impl Reached<'_> {
+impl<'a> Reached<'a> {
+    /// The state of an arc at a time; `None` where no body has such moments.
+    pub(super) fn new(
+        at: &At,
+        arc: usize,
+        gravity_m_s2: &'a Vector3<f64>,
+        time_s: f64,
+    ) -> Option<Self> {
+        let (problem, point) = (at.problem, at.point);
+        let (state, epoch_s) = (&point.arcs[arc], at.epochs_s[arc]);
+        let (end, body) = if problem.arcs[arc].is_plain {
+            let body = problem.body_of(arc);
+            let end = ArcEnd::new(body, gravity_m_s2, state, epoch_s, time_s);
+            (ReachedEnd::Plain(Box::new(end)), *body)
+        } else {
+            let bodies = problem.bodies_at(&point.parameters)?;
+            let body = bodies[problem.arcs[arc].mechanism];
+            let arrival = GeneralArrival::new(problem, point, arc, epoch_s, time_s)?;
+            (ReachedEnd::General(Box::new(arrival)), body)
+        };
+        Some(Self {
+            end,
+            body,
+            gravity_m_s2,
+        })
+    }
+
     pub(super) fn end(&self) -> &ArcEnd {
         match &self.end {
             ReachedEnd::Plain(end) => end,

@@ -1,0 +1,69 @@
+//! Two solids that must stay out of each other about a moment at which they would not.
+
+use super::arc_condition::ActingParameter;
+use crate::motion::held::HeldEstimate;
+use crate::motion::{Against, LinkIndex};
+use crate::physics::contact::{Contact, Frame};
+
+/// Two solids whose distance must not be less than a bound near a moment of a flight.
+///
+/// Their distance about that moment is that of one pair of features, or of one pair before and of another after the
+/// moment at which both are as far: where a corner passes an edge it leaves one face for the next. The moment of the
+/// least distance is no unknown, but found anew at every point.
+#[derive(Clone, Debug)]
+pub struct Clearance {
+    /// The first body.
+    pub link: LinkIndex,
+    /// What it must stay out of.
+    pub against: Against,
+    /// The arc of the first body and, where the other flies too, that of the other.
+    pub arcs: Vec<usize>,
+    /// How that moves.
+    pub from: KeptFrom,
+    /// The features of both that are nearest.
+    pub touches: ClearanceTouches,
+    /// The moment about which they are \[s\].
+    pub around_s: f64,
+    /// How far from it they may be nearest \[s\].
+    pub reach_s: f64,
+    /// What ends the flights on either side: the later start and the earlier end.
+    pub ends: [FlightEnd; 2],
+    /// The least distance \[m\]; negative where solids may overlap by so much.
+    pub least_m: f64,
+    /// How deep the solids were in each other when it was first asked for \[m\].
+    pub depth_m: f64,
+    /// Parameters that act on its flights.
+    pub acting: Vec<ActingParameter>,
+}
+
+/// How what a body must stay out of moves.
+#[derive(Clone, Debug)]
+pub enum KeptFrom {
+    /// What stands still.
+    Still(Frame),
+    /// A body in the hand.
+    Held(Box<HeldEstimate>),
+    /// A body that flies: the second of the arcs.
+    Flying,
+}
+
+/// The features that tell a distance, of the first body and of the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ClearanceTouches {
+    /// One pair all the time.
+    One(Contact),
+    /// One pair until both are as far, then another: the distance is the greater of both.
+    Switching([Contact; 2]),
+}
+
+/// An end of a flight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FlightEnd {
+    /// At an event whose time is an unknown (index into [`Problem::event_is_free`](super::Problem::event_is_free)).
+    Event(usize),
+    /// At a share of the interval from a node to the next (index into
+    /// [`Problem::nodes_acted_s`](super::Problem::nodes_acted_s)), where times are unknown.
+    Node(usize, f64),
+    /// At a time \[s\].
+    At(f64),
+}
