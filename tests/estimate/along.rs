@@ -102,21 +102,24 @@ fn deviations_are_those_of_many_performances_of_one_motion() {
             }
         }
         assert_eq!(errors.len(), 2 * INSTANTS);
-        let mut logs = Vec::new();
-        for (instant, (errors, variances)) in errors.iter().zip(&variances).enumerate() {
-            for (at, (square, variance)) in errors.iter().zip(variances).enumerate() {
-                let ratio = (square / variance).sqrt();
-                // A deviation of eighty numbers is known to eight percent.
-                assert!(
-                    (0.7..1.35).contains(&ratio),
-                    "{} instant {instant}, number {at}: {ratio}",
-                    style.as_str()
-                );
-                logs.push(ratio.ln());
-            }
-        }
-        let mean = logs.iter().sum::<f64>() / logs.len() as f64;
-        assert!(mean.abs() < 0.1, "{}: {}", style.as_str(), mean.exp());
+        let ratios = errors
+            .iter()
+            .zip(&variances)
+            .flat_map(|(errors, variances)| {
+                let pairs = errors.iter().zip(variances);
+                pairs.map(|(square, variance)| (square / variance).sqrt())
+            });
+        let ratios: Vec<f64> = ratios.collect();
+        let what = format!("{}: {ratios:.2?}", style.as_str());
+        // A deviation of eighty numbers is known to eight percent. That errors may be those of a slow hand is in what is
+        // told: of what a hand could move as a whole it is more than white noise makes.
+        assert!(
+            ratios.iter().all(|ratio| (0.5..1.25).contains(ratio)),
+            "{what}"
+        );
+        let logs: f64 = ratios.iter().map(|ratio| ratio.ln()).sum();
+        let mean = (logs / ratios.len() as f64).exp();
+        assert!((0.65..1.1).contains(&mean), "{mean}, {what}");
     }
 }
 

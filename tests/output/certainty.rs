@@ -39,6 +39,7 @@ fn said(share: f64) -> Said {
     let performance = perform(&Style::Tip.truth(), &acting, 5);
     recording::write(&performance, Style::Tip.scene_toml(), &path).expect("a recording");
     let replayed = ENACT.report(&path, &[]);
+    let output = replayed.output.to_str().expect("UTF-8");
     assert_eq!(replayed.said["verdict"], "physical", "{}", replayed.said);
     let made = |arguments: &[&str], name: &str| {
         let ran = enact(folder.path(), arguments);
@@ -46,15 +47,7 @@ fn said(share: f64) -> Said {
         fs::read_to_string(folder.path().join(name)).expect("a file")
     };
     let table = made(
-        &[
-            "export",
-            "x.estimate.mcap",
-            "--to",
-            "csv",
-            "--ghost",
-            "-o",
-            "x.csv",
-        ],
+        &["export", output, "--to", "csv", "--ghost", "-o", "x.csv"],
         "x.csv",
     );
     let rows = table.lines().filter(|line| !line.starts_with('#'));
@@ -63,7 +56,7 @@ fn said(share: f64) -> Said {
         line: replayed.said,
         messages: messages(&replayed.output),
         rows: rows.collect(),
-        page: made(&["report", "x.estimate.mcap", "-o", "x.html"], "x.html"),
+        page: made(&["report", output, "-o", "x.html"], "x.html"),
     }
 }
 

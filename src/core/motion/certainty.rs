@@ -10,7 +10,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
 
 use crate::math::{Pose, so3};
-use crate::physics::flow::{Flown, Wanted};
+use crate::physics::flow::{Flown, WantedDerivatives};
 use crate::physics::state::{StateTangent, part};
 use crate::physics::{Body, State};
 
@@ -138,7 +138,7 @@ impl FlightCertainty {
         duration_s: f64,
         body_from_frame: &Pose,
     ) -> StateDeviation {
-        let is_wanted = Wanted {
+        let is_wanted = WantedDerivatives {
             by_drag: self.acting.iter().any(|by| by.drag != [0.0; 2]),
             by_moments: self
                 .acting

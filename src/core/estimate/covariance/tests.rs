@@ -1,15 +1,20 @@
 //! Compares the parts with independent computations: numeric derivatives, dense algebra, made
 //! noise.
 
+use std::cell::Cell;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::bins::{Bin, Bins, Residuals, Six};
 use super::likelihood::{Columns, Cosines, log_likelihood};
 use super::noise::Noise;
 use super::trace::Design;
+use super::{Covariance, Moment};
 use crate::estimate::outcome;
+use crate::estimate::terms::context::Guidance;
 use crate::estimate::tests::each_case;
 use crate::motion::TrackIndex;
+use crate::optimise::Program;
 
 /// Pseudo-random noise from a fixed seed, uniform with variance one.
 struct Random(u64);
@@ -61,6 +66,45 @@ fn traces_are_the_residuals_derivatives() {
         agree(squares[0], exact.squares[0]);
         agree(squares[1], exact.squares[1]);
     });
+}
+
+/// One sum at a time goes along all samples; together they go over products of pairs.
+#[test]
+fn what_is_told_of_unknowns_together_is_what_is_told_of_each_sum() {
+    let (told, open) = (Cell::new(0), Cell::new(0));
+    each_case(0.0, |context, _, point, lengths| {
+        let mut random = Random(11);
+        let system = context.evaluated(&Guidance::none(), point);
+        let rows: usize = system.blocks.iter().map(|of| of.values.len()).sum();
+        let mut residuals = outcome::errors(context.problem, context, point);
+        for of in &mut residuals {
+            of.each.iter_mut().for_each(|each| *each = random.six());
+        }
+        let multipliers = vec![0.0; rows];
+        let covariance = Covariance::new(context, point, &system, &multipliers, &residuals);
+        let Some(covariance) = covariance else { return };
+        for arc in 0..context.problem.arcs.len() {
+            let parameters = context.layout.parameters.iter().copied();
+            let unknowns: Vec<usize> = context.layout.state(arc).chain(parameters).collect();
+            let jointly = covariance.jointly(&unknowns);
+            for _ in 0..8 {
+                let sum = unknowns.iter().map(|at| random.next() / lengths[*at]);
+                let sum = DVector::from_iterator(unknowns.len(), sum);
+                let moment: Moment = unknowns.iter().copied().zip(sum.iter().copied()).collect();
+                match (jointly.of(&sum).sd(), covariance.sds(&[moment])[0]) {
+                    (Some(one), Some(other)) => {
+                        told.set(told.get() + 1);
+                        assert!((one - other).abs() < 1e-6 * other, "{one} {other}");
+                    }
+                    (one, other) => {
+                        open.set(open.get() + 1);
+                        assert_eq!(one, other);
+                    }
+                }
+            }
+        }
+    });
+    assert!(told.get() > 50, "{told:?} told, {open:?} open");
 }
 
 fn of_poses(each: Vec<Six>) -> Residuals {

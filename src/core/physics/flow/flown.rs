@@ -40,7 +40,7 @@ impl Flown {
         gravity_m_s2: &Vector3<f64>,
         state: &State,
         duration_s: f64,
-        is_wanted: Wanted,
+        is_wanted: WantedDerivatives,
     ) -> Self {
         let omega = &state.angular_velocity_rad_s;
         let by_moments = is_wanted.by_moments;
@@ -121,7 +121,7 @@ impl Flown {
 
 /// Which derivatives of a flight are wanted beside those by its state and by the pull.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Wanted {
+pub struct WantedDerivatives {
     /// Those by drag.
     pub by_drag: bool,
     /// Those by the moments.

@@ -37,6 +37,6 @@ pub use asymmetric::moments::{SpinByMoments, TurnByMoments, turn_by_moments};
 pub(super) use axial::Precession;
 pub use fall::{Fall, Fallen};
 pub use flight::{advance, position, rate, velocity};
-pub use flown::{ByStates, Flown, Wanted};
+pub use flown::{ByStates, Flown, WantedDerivatives};
 pub use turn::{Spin, turn};
 pub use turned::Turn;
