@@ -157,7 +157,9 @@ impl Preview {
         let mut doubts = doubts(&outcome);
         if outcome.estimate.verdict != Verdict::Failed {
             let found = overlaps(&outcome.scene, &outcome.estimate, observer);
-            let deepest = found.into_iter().fold(None, |deepest, of| Penetration::deeper(deepest, Some(of)));
+            let deepest = found
+                .into_iter()
+                .fold(None, |deepest, of| Penetration::deeper(deepest, Some(of)));
             doubts.extend(deepest.map(|of| of.doubt(outcome.scene.tolerance_m)));
         }
         outcome.estimate.doubt(doubts);
