@@ -26,7 +26,7 @@ mod warm;
 
 use self::diagnose::diagnose;
 use self::groups::Groups;
-use self::keep_out::{goes_into_something, kept_out};
+use self::keep_out::{goes_into_something, kept_out, only_overlaps};
 use self::led::LedByGoals;
 pub use self::outcome::{Outcome, PipelineError};
 use self::perform::{Performed, Prepared};
@@ -273,23 +273,13 @@ impl Pipeline {
             outcome.end_where_it_touches();
         }
         checked(&mut outcome, led, Vec::new(), observer);
-        let into = outcome
-            .verification
-            .as_ref()
-            .is_some_and(goes_into_something);
-        if let Some(mut mended) = overlapping
-            .filter(|_| into)
-            .and_then(|of| kept_out(of, observer))
-        {
-            led = self.judged(&mut mended, observer)?;
-            let passed = mended.inferred.solved.just_passed(scene.tolerance_m);
-            let mut other = mended.outcome(observer);
+        let overlapping = overlapping.filter(|_| only_overlaps(&outcome));
+        if let Some(mut kept) = overlapping.and_then(|of| kept_out(of, observer)) {
+            led = self.judged(&mut kept, observer)?;
+            let passed = kept.inferred.solved.just_passed(scene.tolerance_m);
+            let mut other = kept.outcome(observer);
             checked(&mut other, led, passed, observer);
-            let is_out = other
-                .verification
-                .as_ref()
-                .is_some_and(|of| !goes_into_something(of));
-            if is_out {
+            if !goes_into_something(&other) {
                 outcome = other;
             }
         }

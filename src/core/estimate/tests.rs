@@ -672,7 +672,8 @@ fn assert_exact_rows(context: &SolveContext, guidance: &Guidance, point: &Point,
                 let error = (numeric[offset + row][at] - expected).abs();
                 assert!(
                     error < 1e-6 * (1.0 + expected.abs()),
-                    "row {row}, unknown {at}"
+                    "row {row} of {rows} from {offset}, unknown {at}: {} {expected}",
+                    numeric[offset + row][at]
                 );
             }
         }

@@ -26,7 +26,7 @@ const HALVINGS: usize = 20;
 
 /// A solid as its convex parts.
 #[derive(Clone)]
-pub struct Outline {
+pub struct SolidOutline {
     parts: Vec<OutlinePart>,
 }
 
@@ -47,7 +47,7 @@ pub struct Nearest {
     pub normal: Vector3<f64>,
 }
 
-impl Outline {
+impl SolidOutline {
     /// The outline of a shape that lies along the axes, its origin at `at_m` \[m\]. Fails where it is no solid.
     pub fn new(shape: &Shape, at_m: &Vector3<f64>) -> Result<Self, ShapeError> {
         let solids = shape.solid()?.parts_alone().into_iter();
@@ -82,7 +82,7 @@ impl Outline {
 
     /// The features of this solid and another that are nearest; `None` where poses are not finite, or no normal is told
     /// because they just touch.
-    pub fn nearest(&self, at: &Frame, other: &Outline, other_at: &Frame) -> Option<Nearest> {
+    pub fn nearest(&self, at: &Frame, other: &SolidOutline, other_at: &Frame) -> Option<Nearest> {
         let (one, another, closest) = self.deepest(at, other, other_at)?;
         if !(closest.gap_m.abs() > LEAST_GAP_M) {
             return None;
@@ -90,7 +90,7 @@ impl Outline {
         let here = Point3::from(closest.point_m);
         let apart_m = (pose(at) * here).coords - closest.other_point_m;
         let there = pose(other_at).inverse_transform_point(&closest.other_point_m.into());
-        let seen = Seen {
+        let seen = SeenNearest {
             frames: [at, other_at],
             points_m: [here.coords, there.coords],
             gap_m: closest.gap_m,
@@ -111,7 +111,7 @@ impl Outline {
             Some((part, closest))
         });
         let (part, closest) = each.min_by(|a, b| a.1.gap_m.total_cmp(&b.1.gap_m))?;
-        let seen = Seen {
+        let seen = SeenNearest {
             frames: [at, &Frame::world()],
             points_m: [closest.point_m, closest.other_point_m],
             gap_m: closest.gap_m,
@@ -125,7 +125,7 @@ impl Outline {
     pub fn aside(
         &self,
         at: &Frame,
-        other: &Outline,
+        other: &SolidOutline,
         other_at: &Frame,
         way: &Vector3<f64>,
     ) -> Option<Nearest> {
@@ -169,7 +169,7 @@ impl Outline {
     fn deepest<'o>(
         &'o self,
         at: &Frame,
-        other: &'o Outline,
+        other: &'o SolidOutline,
         other_at: &Frame,
     ) -> Option<(&'o OutlinePart, &'o OutlinePart, super::shape::Closest)> {
         let (here, there) = (pose(at), pose(other_at));
@@ -184,7 +184,7 @@ impl Outline {
 }
 
 /// Nearest points of two parts, as parry finds them.
-struct Seen<'a> {
+struct SeenNearest<'a> {
     frames: [&'a Frame; 2],
     /// On each, in its own axes \[m\].
     points_m: [Vector3<f64>; 2],
@@ -192,7 +192,7 @@ struct Seen<'a> {
     normal: Vector3<f64>,
 }
 
-impl Seen<'_> {
+impl SeenNearest<'_> {
     fn nearest(&self, features: &[Feature], others: &[Feature]) -> Option<Nearest> {
         let near = |side: usize, features: &[Feature]| -> Vec<Feature> {
             let point_m = &self.points_m[side];
@@ -333,8 +333,8 @@ mod tests {
             .iter()
             .flat_map(|a| shapes.iter().map(move |b| (a, b)))
         {
-            let own = Outline::new(one, &Vector3::zeros()).expect("a solid");
-            let other = Outline::new(another, &Vector3::zeros()).expect("a solid");
+            let own = SolidOutline::new(one, &Vector3::zeros()).expect("a solid");
+            let other = SolidOutline::new(another, &Vector3::zeros()).expect("a solid");
             let (solid, other_solid) = (
                 one.solid().expect("a solid"),
                 another.solid().expect("a solid"),
@@ -386,7 +386,7 @@ mod tests {
         };
         let ball = Shape::Sphere { radius_m: 0.01 };
         let [plate, ball] =
-            [plate, ball].map(|of| Outline::new(&of, &Vector3::zeros()).expect("a solid"));
+            [plate, ball].map(|of| SolidOutline::new(&of, &Vector3::zeros()).expect("a solid"));
         let at = Frame {
             position_m: Vector3::new(0.08, 0.0, 0.02),
             orientation: UnitQuaternion::identity(),

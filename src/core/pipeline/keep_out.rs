@@ -5,9 +5,10 @@
 //! from where it is; until nothing overlaps, or the work for it is used up. Where it is, or where the motion had to be led
 //! farther from its performance than chance explains, as where an impact is missing, it stays as it was, with its doubt.
 
+use super::outcome::Outcome;
 use super::perform::Performed;
 use crate::estimate::Solved;
-use crate::motion::{Observer, Phase, Verdict, Verification};
+use crate::motion::{About, Fits, Observer, Phase, Verdict};
 use crate::verify::overlaps;
 
 /// Greatest number of rounds.
@@ -17,15 +18,31 @@ const WORK: usize = 4;
 /// and at least, in iterations.
 const LEAST_WORK: usize = 100;
 
-/// Greatest ratio of the objectives of a motion that is kept out and of the one that is not,
+/// Greatest ratio of the objectives of a motion that is kept out and of the one that is not.
 const FARTHER: f64 = 1.2;
-/// and where errors of a hand are told the greatest difference: the truth itself is as far from the best fit by chance
-/// once in a thousand times (χ² of the thirteen numbers that a flight and an impact have).
-const DIFFERENCE: f64 = 34.5;
+/// Greatest difference of the two where one distance holds the motion, and how much greater it may be for each more, in the
+/// variance of a residual: the truth keeps out too, so that it is greater once in a thousand times by chance (χ² of as
+/// many numbers as there are distances).
+const DIFFERENCE: [f64; 2] = [10.8, 3.0];
+
+/// Whether nothing speaks against a motion but that solids are in each other, or that another part touches first. What does
+/// not agree with its performance is not led farther away from it.
+pub(super) fn only_overlaps(outcome: &Outcome) -> bool {
+    let estimate = &outcome.estimate;
+    let is_of_shape = |about| matches!(about, About::Overlap | About::WrongFeature);
+    let mut grave = estimate.doubts.iter();
+    let mut grave = grave
+        .by_ref()
+        .filter(|of| of.about.best() != Verdict::Physical)
+        .peekable();
+    let is_known_to_misfit = estimate.fits() == Fits::No || !estimate.suspects.is_empty();
+    grave.peek().is_some() && !is_known_to_misfit && grave.all(|of| is_of_shape(of.about))
+}
 
 /// Whether a check found solids in each other, or that another part touches first.
-pub(super) fn goes_into_something(verification: &Verification) -> bool {
-    verification.deepest.is_some() || verification.wrong_features().next().is_some()
+pub(super) fn goes_into_something(outcome: &Outcome) -> bool {
+    let checked = outcome.verification.as_ref();
+    checked.is_none_or(|of| of.deepest.is_some() || of.wrong_features().next().is_some())
 }
 
 /// The motion with its solids out of each other; `None` where none was found.
@@ -45,7 +62,7 @@ pub(super) fn kept_out(mut take: Performed, observer: &mut dyn Observer) -> Opti
             return None;
         }
         if found.is_empty() {
-            let is_near = is_near(objective, solved);
+            let is_near = is_near(objective, solved, performance.scene.tolerance_m);
             return (is_near && round > 0).then_some(take);
         }
         if spent(solved) > most || !solved.keep_apart(performance, &found, observer) {
@@ -56,8 +73,17 @@ pub(super) fn kept_out(mut take: Performed, observer: &mut dyn Observer) -> Opti
 }
 
 /// Whether a motion that is kept out is about as near to its performance as the one that was not.
-fn is_near(objective: f64, solved: &Solved) -> bool {
+fn is_near(objective: f64, solved: &Solved, tolerance_m: f64) -> bool {
     let kept = solved.estimate.objective;
-    let is_likely = !solved.errs_in_time() || kept - objective <= DIFFERENCE;
-    kept <= FARTHER * objective.max(1.0) && is_likely
+    let residuals = solved.estimate.residuals.iter().map(|of| {
+        let kinds = [
+            of.position_rms_m.is_some(),
+            of.orientation_rms_rad.is_some(),
+        ];
+        3 * of.samples * kinds.into_iter().filter(|is_seen| *is_seen).count()
+    });
+    let variance = objective / residuals.sum::<usize>().max(1) as f64;
+    let held = solved.just_passed(tolerance_m).len();
+    let most = DIFFERENCE[0] + DIFFERENCE[1] * held.saturating_sub(1) as f64;
+    kept <= FARTHER * objective && kept - objective <= most * variance
 }

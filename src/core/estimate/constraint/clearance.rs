@@ -129,7 +129,7 @@ impl Clearance {
     fn contacts(&self) -> &[Contact] {
         match &self.touches {
             ClearanceTouches::One(contact) => std::slice::from_ref(contact),
-            ClearanceTouches::Switching(both) => both,
+            ClearanceTouches::Switching(both) => both.as_slice(),
         }
     }
 

@@ -8,7 +8,7 @@ use crate::estimate::problem::Problem;
 use crate::estimate::problem::clearance::{Clearance, ClearanceTouches, FlightEnd, KeptFrom};
 use crate::motion::{Against, ArcEstimate, Estimate, LinkIndex, Penetration, Scene};
 use crate::physics::contact::{Contact, Frame};
-use crate::physics::outline::{Nearest, Outline};
+use crate::physics::outline::{Nearest, SolidOutline};
 use crate::physics::{State, flow};
 
 /// Least distance that is asked for, in tolerances: overlaps within the tolerance are none.
@@ -35,12 +35,12 @@ pub(in crate::estimate) struct Overlapping<'a> {
 }
 
 /// A body, and what it meets, at any time.
-struct Meeting<'a> {
+struct OverlapMeeting<'a> {
     of: &'a Overlapping<'a>,
     link: LinkIndex,
     arc: usize,
     flight: &'a ArcEstimate,
-    outline: Outline,
+    outline: SolidOutline,
     with: MetOutline,
 }
 
@@ -51,7 +51,7 @@ enum MetOutline {
         normal: Vector3<f64>,
     },
     Solid {
-        outline: Outline,
+        outline: SolidOutline,
         from: KeptFrom,
         arc: Option<usize>,
     },
@@ -74,12 +74,12 @@ impl<'a> Overlapping<'a> {
         let (arc, flight) = self.flight(link, time_s)?;
         let of_link = &self.scene.links[link];
         let with = self.met(against, time_s)?;
-        let meeting = Meeting {
+        let meeting = OverlapMeeting {
             of: self,
             link,
             arc,
             flight,
-            outline: Outline::new(&of_link.shape, &of_link.shape_at_m).ok()?,
+            outline: SolidOutline::new(&of_link.shape, &of_link.shape_at_m).ok()?,
             with,
         };
         meeting.clearance(against, time_s, found.depth_m)
@@ -114,14 +114,14 @@ impl<'a> Overlapping<'a> {
                     orientation: pose.rotation,
                 };
                 Some(MetOutline::Solid {
-                    outline: Outline::new(&obstacle.shape, &Vector3::zeros()).ok()?,
+                    outline: SolidOutline::new(&obstacle.shape, &Vector3::zeros()).ok()?,
                     from: KeptFrom::Still(frame),
                     arc: None,
                 })
             }
             Against::Link(other) => {
                 let of_other = &self.scene.links[other];
-                let outline = Outline::new(&of_other.shape, &of_other.shape_at_m).ok()?;
+                let outline = SolidOutline::new(&of_other.shape, &of_other.shape_at_m).ok()?;
                 let held = self.estimate.held_motion(other);
                 let (from, arc) = match held {
                     Some(held) => (KeptFrom::Held(Box::new(held.clone())), None),
@@ -139,7 +139,7 @@ impl<'a> Overlapping<'a> {
     }
 }
 
-impl Meeting<'_> {
+impl OverlapMeeting<'_> {
     fn clearance(&self, against: Against, time_s: f64, depth_m: f64) -> Option<Clearance> {
         let other = match (&self.with, against) {
             (MetOutline::Solid { arc: Some(arc), .. }, Against::Link(other)) => {
@@ -254,7 +254,7 @@ impl Meeting<'_> {
         let share = rises / (rises - falls);
         let out = before.normal * share + after.normal * (1.0 - share);
         if out.norm() >= SHOWN {
-            return ClearanceTouches::Switching([before.contact, after.contact]);
+            return ClearanceTouches::Switching(Box::new([before.contact, after.contact]));
         }
         // Straight through: the way out is across.
         let aside = || {

@@ -208,6 +208,8 @@ pub(in crate::estimate) fn acting(
                     add(*parameter, (Some(side), Influence::Pull(axis)));
                 }
             }
+            // Gravity may be among what acts on it for what is seen of it: it counts once.
+            continue;
         }
         for acting in &arc.acting {
             let moves_it = matches!(

@@ -48,12 +48,12 @@ pub enum KeptFrom {
 }
 
 /// The features that tell a distance, of the first body and of the other.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum ClearanceTouches {
     /// One pair all the time.
     One(Contact),
     /// One pair until both are as far, then another: the distance is the greater of both.
-    Switching([Contact; 2]),
+    Switching(Box<[Contact; 2]>),
 }
 
 /// An end of a flight.

@@ -70,7 +70,9 @@ fn clearance(
             };
             ClearanceTouches::One(Contact::new(corner, ball).expect("a corner and a ball"))
         }
-        Pass::Edge => ClearanceTouches::Switching([face(across * 0.8 - way), face(across + way)]),
+        Pass::Edge => {
+            ClearanceTouches::Switching(Box::new([face(across * 0.8 - way), face(across + way)]))
+        }
         Pass::End => ClearanceTouches::One(face(across * 0.4 - way)),
     };
     let end = problem.arcs[arc]

@@ -4,7 +4,6 @@ use nalgebra::Vector3;
 
 use super::error::ContactError;
 use super::feature::Feature;
-use super::touch::Frame;
 
 /// A pair of features that may touch: one of a body A, one of a body B or of the static world.
 ///
@@ -107,17 +106,6 @@ impl Contact {
             mirrored,
             tangents,
         })
-    }
-
-    /// The contact of two lines with the normal, in these poses, on the side of the given one \[world\], and always
-    /// on that side of both lines: their gap is then smooth, and negative as deep as they go through each other. Other
-    /// contacts stay.
-    pub fn towards(mut self, a: &Frame, b: &Frame, normal: &Vector3<f64>) -> Self {
-        if let Pair::LineLine(p, q, outward) = &mut self.pair {
-            let cross = (a.orientation * p.direction).cross(&(b.orientation * q.direction));
-            *outward = Outward::Crossed(cross.dot(normal).signum());
-        }
-        self
     }
 
     /// A's feature.

@@ -89,6 +89,17 @@ impl Placed {
 }
 
 impl Contact {
+    /// The contact of two lines with the normal, in these poses, on the side of the given one \[world\], and always
+    /// on that side of both lines: their gap is then smooth, and negative as deep as they go through each other. Other
+    /// contacts stay.
+    pub fn towards(mut self, a: &Frame, b: &Frame, normal: &Vector3<f64>) -> Self {
+        if let Pair::LineLine(p, q, outward) = &mut self.pair {
+            let cross = (a.orientation * p.direction).cross(&(b.orientation * q.direction));
+            *outward = Outward::Crossed(cross.dot(normal).signum());
+        }
+        self
+    }
+
     /// Gap, normal and points in these poses (B's is [`Frame::world`] for the static world).
     ///
     /// The gap is smooth in the poses except where the contact is degenerate, which is refused:
