@@ -20,7 +20,7 @@ const LEAST_WORK: usize = 100;
 
 /// Greatest ratio of the objectives of a motion that is kept out and of the one that is not.
 const FARTHER: f64 = 1.2;
-/// Greatest difference of the two where one distance holds the motion, and how much greater it may be for each more, in the
+/// Where errors of a hand are told, greatest difference of the two where one distance holds the motion, and how much greater it may be for each more, in the
 /// variance of a residual: the truth keeps out too, so that it is greater once in a thousand times by chance (χ² of as
 /// many numbers as there are distances).
 const DIFFERENCE: [f64; 2] = [10.8, 3.0];
@@ -85,5 +85,7 @@ fn is_near(objective: f64, solved: &Solved, tolerance_m: f64) -> bool {
     let variance = objective / residuals.sum::<usize>().max(1) as f64;
     let held = solved.just_passed(tolerance_m).len();
     let most = DIFFERENCE[0] + DIFFERENCE[1] * held.saturating_sub(1) as f64;
-    kept <= FARTHER * objective && kept - objective <= most * variance
+    // Samples of a hand that is not told count too often for that.
+    let is_likely = !solved.errs_in_time() || kept - objective <= most * variance;
+    kept <= FARTHER * objective && is_likely
 }

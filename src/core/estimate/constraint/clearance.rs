@@ -245,7 +245,7 @@ impl Clearance {
             clamped(self.around_s - self.reach_s),
             clamped(self.around_s + self.reach_s),
         ];
-        match self.touches {
+        match &self.touches {
             ClearanceTouches::One(_) => search.of_one(0, [from_s, to_s]),
             ClearanceTouches::Switching(_) => search.of_two([from_s, to_s]),
         }

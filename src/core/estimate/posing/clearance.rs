@@ -57,6 +57,11 @@ enum MetOutline {
     },
 }
 
+/// One pair of features all the time.
+fn one(contact: Contact) -> ClearanceTouches {
+    ClearanceTouches::One(Box::new(contact))
+}
+
 impl<'a> Overlapping<'a> {
     /// What keeps the two solids of an overlap out of each other about its moment; `None` where no features tell.
     pub(in crate::estimate) fn clearance(&'a self, found: &Penetration) -> Option<Clearance> {
@@ -157,7 +162,7 @@ impl OverlapMeeting<'_> {
         let beside_s = BESIDE_M / speed_m_s;
         let touches = if (nearest.gap_m + depth_m).abs() > SAME_M {
             // What is deeper is of a feature that may touch.
-            ClearanceTouches::One(self.of_feature(time_s, depth_m)?)
+            one(self.of_feature(time_s, depth_m)?)
         } else {
             let sides_s = [time_s - beside_s, time_s + beside_s];
             let is_within = sides_s[0] > from_s && sides_s[1] < to_s;
@@ -166,7 +171,7 @@ impl OverlapMeeting<'_> {
                 Some([Some(before), Some(after)]) => {
                     self.touches(against, time_s, sides_s, &nearest, [before, after])
                 }
-                _ => ClearanceTouches::One(nearest.contact),
+                _ => one(nearest.contact),
             }
         };
         let arcs: Vec<usize> = [self.arc]
@@ -233,9 +238,9 @@ impl OverlapMeeting<'_> {
         nearest: &Nearest,
         [before, after]: [Nearest; 2],
     ) -> ClearanceTouches {
-        let one = ClearanceTouches::One(nearest.contact);
+        let single = one(nearest.contact);
         if before.normal.dot(&after.normal) > SAME {
-            return one;
+            return single;
         }
         let rate = |of: &Nearest| {
             let gap_m = |at_s: f64| {
@@ -246,10 +251,10 @@ impl OverlapMeeting<'_> {
             Some((gap_m(sides_s[1])? - gap_m(sides_s[0])?) / (sides_s[1] - sides_s[0]))
         };
         let (Some(falls), Some(rises)) = (rate(&before), rate(&after)) else {
-            return one;
+            return single;
         };
         if !(falls < 0.0 && rises > 0.0) {
-            return one;
+            return single;
         }
         let share = rises / (rises - falls);
         let out = before.normal * share + after.normal * (1.0 - share);
@@ -265,7 +270,7 @@ impl OverlapMeeting<'_> {
             let way = self.way_m_s(against, time_s)?;
             self.outline.aside(&at, outline, &other_at, &way)
         };
-        aside().map_or(one, |aside| ClearanceTouches::One(aside.contact))
+        aside().map_or(single, |aside| one(aside.contact))
     }
 
     /// The feature that may touch and is so deep.

@@ -51,7 +51,7 @@ pub enum KeptFrom {
 #[derive(Clone, Debug, PartialEq)]
 pub enum ClearanceTouches {
     /// One pair all the time.
-    One(Contact),
+    One(Box<Contact>),
     /// One pair until both are as far, then another: the distance is the greater of both.
     Switching(Box<[Contact; 2]>),
 }

@@ -68,12 +68,14 @@ fn clearance(
                 point_m: seen(&(there - across * 0.03)),
                 radius_m: 0.032,
             };
-            ClearanceTouches::One(Contact::new(corner, ball).expect("a corner and a ball"))
+            ClearanceTouches::One(Box::new(
+                Contact::new(corner, ball).expect("a corner and a ball"),
+            ))
         }
         Pass::Edge => {
             ClearanceTouches::Switching(Box::new([face(across * 0.8 - way), face(across + way)]))
         }
-        Pass::End => ClearanceTouches::One(face(across * 0.4 - way)),
+        Pass::End => ClearanceTouches::One(Box::new(face(across * 0.4 - way))),
     };
     let end = problem.arcs[arc]
         .end
