@@ -78,6 +78,16 @@ pub(super) fn diagnose(
             is_credible: false,
             alone: 0.0,
         });
+    // Remedies are tried with samples that count one by one, and so is what they are compared with.
+    let one_by_one = outcome
+        .filter(|outcome| is_of_hand(outcome))
+        .and_then(|_| TriedMotion::of(scene, events, f64::INFINITY, &mut budget));
+    let is_near = |motion: &TriedMotion| motion.misfit() <= NEAR;
+    let fits = outcome.is_some_and(|outcome| outcome.estimate.fits() == Fits::Yes);
+    if fits && one_by_one.as_ref().is_some_and(is_near) {
+        return Vec::new();
+    }
+    let motion = one_by_one.or(motion);
     let seen = flights_by_stamps(scene, events, &mut budget);
     let flights = match (&motion, scene.timing) {
         (_, Timing::Known | Timing::Edited) => seen.clone(),
@@ -171,6 +181,12 @@ fn is_well(outcome: &Outcome, farthest: f64) -> bool {
 fn is_near(outcome: &Outcome, farthest: f64) -> bool {
     let distance = motion::distance(&outcome.estimate);
     is_motion(outcome) && misfit(&outcome.scene, &distance) <= farthest
+}
+
+/// Whether an outcome's motion was found with the errors of a hand, from which it is farther than one that follows it.
+fn is_of_hand(outcome: &Outcome) -> bool {
+    let fit = outcome.estimate.fit.as_ref();
+    is_motion(outcome) && fit.is_ok_and(|fit| fit.whole.is_some())
 }
 
 /// Whether an outcome's gaps are closed.
