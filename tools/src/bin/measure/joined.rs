@@ -1,7 +1,7 @@
 //! The recipe on trees: chains and pendulums from the sketch, beside the same solver from the true state.
 
 use anyhow::Result;
-use enact::estimate::tree::{Detail, TreeProblem, estimate, solved};
+use enact::estimate::tree::{Detail, TreeProblem, estimate, solve};
 use enact::motion::{Estimate, Observer, Scene, TakeEvent, Verdict};
 use enact::physics::tree::TreeState;
 use enact::pipeline::Pipeline;
@@ -127,7 +127,7 @@ pub fn from_state(
 ) -> Option<Estimate> {
     let (sketch, _) = clean(scene, events).ok()?;
     let problem = TreeProblem::new(scene, &sketch);
-    let solved = solved(&problem, &[(1.0, start)], observer);
+    let solved = solve(&problem, &[(1.0, start)], observer);
     Some(estimate(scene, &sketch, &solved, Detail::Whole, observer))
 }
 
