@@ -5,7 +5,7 @@
 //! [nodes](problem) along its motion: at the start alone (single shooting), or at the ends of shooting intervals where errors grow too much
 //! from one end to the other (multiple shooting), with the flow's end at each node as a hard condition, and times of
 //! impacts and waypoints on the way. At an impact a gap is zero and the rates jump. Samples and goals are quantities
-//! of links' states, which follow from that of all ([`program`]). [`solve`] grows the part of the sketch that counts from
+//! of links' states, which follow from that of all ([`program`]). [`solve`](mod@solve) grows the part of the sketch that counts from
 //! the start, brings the goals in by a sweep and finishes by sequential quadratic programming.
 
 mod adequacy;
