@@ -13,9 +13,12 @@ use crate::estimate::wander::kink::{APART_S, kink_s};
 use crate::estimate::wander::process;
 use crate::motion::{Observer, TrackIndex, TreeTouch};
 use crate::optimise::Schedule;
+use crate::optimise::finish::Tolerances;
 
 /// How often errors are told from residuals.
 const ROUNDS: usize = 3;
+/// Greatest number of steps to an optimum near by: of a motion that is hardly determined they could go on for long.
+const STEPS: usize = 12;
 /// Errors are told well where no logarithm of their sizes and times changes by more.
 const SAME: f64 = 0.05;
 
@@ -69,9 +72,15 @@ impl Solved {
     fn erring(&self, errors: [Process; 2], observer: &mut dyn Observer) -> Option<Self> {
         let point = &self.solution.point;
         let problem = self.problem.erring(errors, point);
-        let at_once = Schedule::default().from_the_last();
+        let near_by = Schedule {
+            tolerances: Tolerances {
+                steps: STEPS,
+                ..Tolerances::default()
+            },
+            ..Schedule::default().from_the_last()
+        };
         let mut work = self.solution.work;
-        let near = finished(&problem, point, &at_once, &mut work, observer);
+        let near = finished(&problem, point, &near_by, &mut work, observer);
         near.solution.finished.converged.then_some(near)
     }
 }
