@@ -68,15 +68,16 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
         Some(name) => format!("`{name}`"),
         None => "the motion".to_owned(),
     };
+    let inside = || match doubt.place {
+        Place::Inside {
+            against, time_s, ..
+        } => (scene.name_of(against), time_s),
+        _ => ("something", 0.0),
+    };
     let percent = |part: f64| format!("{:.0} %", part * 100.0);
     match doubt.about {
         About::Overlap => {
-            let (against, time_s) = match doubt.place {
-                Place::Inside {
-                    against, time_s, ..
-                } => (scene.name_of(against), time_s),
-                _ => ("something", 0.0),
-            };
+            let (against, time_s) = inside();
             let [depth_mm, most_mm] = [value, bound].map(|m| m * 1e3);
             format!(
                 "{subject} is {depth_mm:.1} mm inside `{against}` at {time_s:.3} s, expected at most \
@@ -84,12 +85,7 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
             )
         }
         About::KeptOut => {
-            let (against, time_s) = match doubt.place {
-                Place::Inside {
-                    against, time_s, ..
-                } => (scene.name_of(against), time_s),
-                _ => ("something", 0.0),
-            };
+            let (against, time_s) = inside();
             format!(
                 "{subject} would be {:.1} mm inside `{against}` at {time_s:.3} s if nothing kept it out, and only just \
                  passes it: where it was hit there, a bounce is missing",

@@ -80,9 +80,14 @@ pub(super) fn show_hand(context: &SolveContext, point: &Point, system: &System) 
         let rows = 3 * of_kind.map(|of| of.each.len()).sum::<usize>();
         // Of each flight a place and a velocity are fitted, or a turn and a spin.
         let freedom = rows.saturating_sub(6 * flights) as f64;
-        let beyond_chance = CHANCES * (4.0 / freedom.max(1.0)).sqrt();
-        squares[kind] * rows as f64 > (1.0 + beyond_chance) * white[kind] * freedom && freedom > 0.0
+        is_beyond_noise(squares[kind] * rows as f64, white[kind], freedom)
     })
+}
+
+/// Whether a sum of squares with so many degrees of freedom is greater than noise of a variance makes it, by more than chance.
+pub(in crate::estimate) fn is_beyond_noise(square: f64, variance: f64, freedom: f64) -> bool {
+    let beyond_chance = CHANCES * (4.0 / freedom.max(1.0)).sqrt();
+    square > (1.0 + beyond_chance) * variance * freedom && freedom > 0.0
 }
 
 /// How well a solution explains its samples, of which `errors` are the residuals, arc by arc; and

@@ -117,25 +117,36 @@ impl Solved {
         }
         let mut counters = self.estimate.counters;
         add(&mut counters, &found.work, 1);
-        let context = self.posed.context(self.epochs_s.clone(), &found.point);
-        let errors = outcome::errors(problem, &context, &found.point);
-        let estimate = outcome::estimate(
-            performance.scene,
-            performance.sketch,
-            &context,
-            &found,
-            &errors,
-            counters,
-        );
-        if estimate.verdict > self.estimate.verdict {
+        let there = self.with_solution(self.posed.clone(), found, performance, counters);
+        if there.estimate.verdict > self.estimate.verdict {
             return false;
         }
-        self.estimate = Estimate {
-            rivals: self.estimate.rivals,
-            ..estimate
-        };
-        (self.solution, self.errors) = (found, errors);
+        *self = there;
         true
+    }
+
+    /// The same take with another solution, of a problem with the same flights, after so much work.
+    fn with_solution(
+        &self,
+        posed: Posed,
+        solution: Solution,
+        performance: Performance,
+        counters: Counters,
+    ) -> Self {
+        let context = posed.context(self.epochs_s.clone(), &solution.point);
+        let errors = outcome::errors(&posed.problem, &context, &solution.point);
+        let Performance { scene, sketch, .. } = performance;
+        let estimate = outcome::estimate(scene, sketch, &context, &solution, &errors, counters);
+        Self {
+            estimate: Estimate {
+                rivals: self.estimate.rivals,
+                ..estimate
+            },
+            epochs_s: self.epochs_s.clone(),
+            posed,
+            solution,
+            errors,
+        }
     }
 
     /// The estimate with its standard deviations and the list of undetermined quantities.

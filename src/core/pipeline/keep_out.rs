@@ -20,9 +20,9 @@ const LEAST_WORK: usize = 100;
 
 /// Greatest ratio of the objectives of a motion that is kept out and of the one that is not.
 const FARTHER: f64 = 1.2;
-/// Where errors of a hand are told, greatest difference of the two where one distance holds the motion, and how much greater it may be for each more, in the
-/// variance of a residual: the truth keeps out too, so that it is greater once in a thousand times by chance (χ² of as
-/// many numbers as there are distances).
+/// Where errors of a hand are told, greatest difference of the two where one distance holds the motion, and how much greater
+/// it may be for each more, in the variance of a residual: the truth keeps out too, so that it is greater once in a thousand
+/// times by chance (χ² of as many numbers as there are distances).
 const DIFFERENCE: [f64; 2] = [10.8, 3.0];
 
 /// Whether nothing speaks against a motion but that solids are in each other, or that another part touches first. What does
@@ -30,13 +30,10 @@ const DIFFERENCE: [f64; 2] = [10.8, 3.0];
 pub(super) fn only_overlaps(outcome: &Outcome) -> bool {
     let estimate = &outcome.estimate;
     let is_of_shape = |about| matches!(about, About::Overlap | About::WrongFeature);
-    let mut grave = estimate.doubts.iter();
-    let mut grave = grave
-        .by_ref()
-        .filter(|of| of.about.best() != Verdict::Physical)
-        .peekable();
+    let doubts = estimate.doubts.iter().map(|doubt| doubt.about);
+    let grave: Vec<About> = doubts.filter(|of| of.best() != Verdict::Physical).collect();
     let is_known_to_misfit = estimate.fits() == Fits::No || !estimate.suspects.is_empty();
-    grave.peek().is_some() && !is_known_to_misfit && grave.all(|of| is_of_shape(of.about))
+    !grave.is_empty() && !is_known_to_misfit && grave.into_iter().all(is_of_shape)
 }
 
 /// Whether a check found solids in each other, or that another part touches first.

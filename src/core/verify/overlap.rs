@@ -64,26 +64,28 @@ fn deepest_of<'w>(
     touches: &mut [Touch],
     observer: &mut dyn Observer,
 ) -> Option<Penetration> {
-    let mut deepest: Option<Penetration> = None;
-    for meeting in meetings {
-        if observer.should_stop() {
-            break;
-        }
-        let found = OverlapScan::new(world, &meeting).run(touches, observer);
-        deepest = Penetration::deeper(deepest, found);
-    }
-    deepest
+    let found = each_of(world, meetings, touches, observer).into_iter();
+    found.fold(None, |deepest, of| Penetration::deeper(deepest, Some(of)))
 }
 
 /// The deepest overlap of every meeting in which it is above the tolerance and no expected contact explains it; those that
 /// were found until the observer ended it.
 pub(super) fn each(world: &World, observer: &mut dyn Observer) -> Vec<Penetration> {
+    each_of(world, world.meetings(), &mut [], observer)
+}
+
+fn each_of<'w>(
+    world: &World,
+    meetings: impl Iterator<Item = MeetingPair<'w>>,
+    touches: &mut [Touch],
+    observer: &mut dyn Observer,
+) -> Vec<Penetration> {
     let mut found = Vec::new();
-    for meeting in world.meetings() {
+    for meeting in meetings {
         if observer.should_stop() {
             break;
         }
-        found.extend(OverlapScan::new(world, &meeting).run(&mut [], observer));
+        found.extend(OverlapScan::new(world, &meeting).run(touches, observer));
     }
     found
 }

@@ -21,10 +21,8 @@ use crate::estimate::unknowns::layout::Layout;
 use crate::motion::Gap;
 use crate::optimise::block::{Block, BlockPattern};
 use crate::physics::contact::{Contact, Frame};
-use crate::physics::state::{StateTangent, part};
+use crate::physics::state::{DIMENSION, StateTangent, part};
 
-/// Numbers of unknowns of a state.
-const STATE: usize = 12;
 /// Intervals among whose ends the least distance is looked for first.
 const INTERVALS: usize = 8;
 /// Greatest number of steps to a root, and the share of an interval that is a root's error.
@@ -151,9 +149,12 @@ impl Clearance {
         block.values[0] = gap_m / unit::POSITION_M;
         block.bounds[0] = (self.least_m / unit::POSITION_M, f64::INFINITY);
         let entries = block.derivatives_mut(pattern, 0);
-        let (by_state, rest) = entries.split_at_mut(STATE * reached.len());
+        let (by_state, rest) = entries.split_at_mut(DIMENSION * reached.len());
         let sides: Vec<ByState> = (0..reached.len()).map(|side| of_pose(&by, side)).collect();
-        let states = by_state.chunks_exact_mut(STATE).zip(&reached).zip(&sides);
+        let states = by_state
+            .chunks_exact_mut(DIMENSION)
+            .zip(&reached)
+            .zip(&sides);
         for ((entries, reached), by) in states {
             let chained = reached.chain(by).row(0) / unit::POSITION_M;
             for (entry, by) in entries.iter_mut().zip(chained.iter()) {

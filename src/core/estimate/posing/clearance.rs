@@ -7,7 +7,7 @@ use crate::estimate::covariance::timing;
 use crate::estimate::problem::Problem;
 use crate::estimate::problem::clearance::{Clearance, ClearanceTouches, FlightEnd, KeptFrom};
 use crate::motion::{Against, ArcEstimate, Estimate, LinkIndex, Penetration, Scene};
-use crate::physics::contact::{Contact, Frame};
+use crate::physics::contact::{Contact, Feature, Frame};
 use crate::physics::outline::{Nearest, SolidOutline};
 use crate::physics::{State, flow};
 
@@ -278,7 +278,7 @@ impl OverlapMeeting<'_> {
         let MetOutline::Plane { point_m, normal } = &self.with else {
             return None;
         };
-        let face = crate::physics::contact::Feature::face(*point_m, *normal);
+        let face = Feature::face(*point_m, *normal);
         let at = Frame::of(&self.of.state(self.link, self.flight, time_s));
         let features = self.of.scene.links[self.link].features.iter();
         let contacts = features.filter_map(|of| Contact::new(of.geometry, face).ok());

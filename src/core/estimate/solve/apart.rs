@@ -2,11 +2,10 @@
 
 use super::{Posed, Solved, add};
 use crate::estimate::constraint::At;
-use crate::estimate::outcome;
 use crate::estimate::posing::clearance::Overlapping;
 use crate::estimate::problem::clearance::Clearance;
 use crate::estimate::schedule::recipe::{self, Recipe};
-use crate::motion::{About, Doubt, Estimate, Observer, Penetration, Performance, Place};
+use crate::motion::{About, Doubt, Observer, Penetration, Performance, Place};
 
 impl Solved {
     /// Goes on to the motion at which the solids that overlap keep out of each other, near where they are deepest, from this
@@ -80,31 +79,19 @@ impl Solved {
             if !solution.finished.converged {
                 continue;
             }
-            let context = posed.context(self.epochs_s.clone(), &solution.point);
-            let errors = outcome::errors(&posed.problem, &context, &solution.point);
-            let (scene, sketch) = (performance.scene, performance.sketch);
-            let estimate = outcome::estimate(scene, sketch, &context, &solution, &errors, counters);
-            if estimate.verdict != self.estimate.verdict {
-                continue;
+            let there = self.with_solution(posed.clone(), solution, performance, counters);
+            if there.estimate.verdict == self.estimate.verdict {
+                *self = there;
+                return true;
             }
-            self.estimate = Estimate {
-                rivals: self.estimate.rivals,
-                ..estimate
-            };
-            (self.posed, self.solution, self.errors) = (posed, solution, errors);
-            return true;
         }
         false
     }
 
     /// What is held out of something, and only just passes it: as a doubt that is only to be known.
     pub fn just_passed(&self, tolerance_m: f64) -> Vec<Doubt> {
-        let problem = &self.posed.problem;
-        let at = At::new(problem, &self.solution.point, &self.epochs_s);
-        let rows = self.solution.multipliers.len() - problem.clearances.len();
-        let pulls = &self.solution.multipliers[rows..];
-        let held = problem.clearances.iter().zip(pulls);
-        let held = held.filter(|(_, pull)| **pull != 0.0);
+        let at = At::new(&self.posed.problem, &self.solution.point, &self.epochs_s);
+        let held = self.clearances().filter(|(_, is_held)| *is_held);
         let doubts = held.map(|(of, _)| Doubt {
             about: About::KeptOut,
             place: Place::Inside {
@@ -118,13 +105,18 @@ impl Solved {
         doubts.collect()
     }
 
+    /// The distances that are kept, each with whether it holds the motion: their rows are the last.
+    fn clearances(&self) -> impl Iterator<Item = (&Clearance, bool)> {
+        let clearances = &self.posed.problem.clearances;
+        let rows = self.solution.multipliers.len() - clearances.len();
+        let pulls = &self.solution.multipliers[rows..];
+        clearances.iter().zip(pulls.iter().map(|pull| *pull != 0.0))
+    }
+
     /// The distances that are kept already, with the features that are nearest now where they hold the motion.
     fn kept(&self, overlapping: &Overlapping) -> Vec<Clearance> {
-        let problem = &self.posed.problem;
-        let at = At::new(problem, &self.solution.point, &self.epochs_s);
-        let rows = self.solution.multipliers.len() - problem.clearances.len();
-        let pulls = &self.solution.multipliers[rows..];
-        let kept = problem.clearances.iter().zip(pulls).map(|(of, pull)| {
+        let at = At::new(&self.posed.problem, &self.solution.point, &self.epochs_s);
+        let kept = self.clearances().map(|(of, is_held)| {
             let mut of = of.clone();
             if let Some(least) = of.least(&at) {
                 of.around_s = least.time_s;
@@ -136,7 +128,7 @@ impl Solved {
                 depth_m: f64::NAN,
                 point_m: nalgebra::Vector3::zeros(),
             };
-            let again = (*pull != 0.0).then(|| overlapping.clearance(&nearest));
+            let again = is_held.then(|| overlapping.clearance(&nearest));
             let depth_m = of.depth_m;
             Clearance {
                 depth_m,

@@ -4,6 +4,7 @@
 use nalgebra::DMatrix;
 
 use super::{Posed, Solved, add};
+use crate::estimate::adequacy;
 use crate::estimate::covariance::bins::Residuals;
 use crate::estimate::covariance::linearised::{
     LinearisedSolution, free_count, free_directions, is_too_free,
@@ -16,8 +17,7 @@ use crate::estimate::schedule::recipe::{self, Recipe, Solution};
 use crate::estimate::terms::context::Guidance;
 use crate::estimate::wander::likelihood::{self, LikelyErrors};
 use crate::estimate::wander::{Process, process};
-use crate::estimate::{adequacy, outcome};
-use crate::motion::{Estimate, Observer, Performance, Performer, Timing};
+use crate::motion::{Observer, Performance, Performer, Timing};
 use crate::optimise::kkt::Kkt;
 use crate::optimise::{Program, Work};
 
@@ -60,20 +60,12 @@ impl Solved {
         };
         let mut counters = self.estimate.counters;
         add(&mut counters, &solution.work, 0);
-        let context = posed.context(self.epochs_s.clone(), &solution.point);
-        let errors = outcome::errors(&posed.problem, &context, &solution.point);
+        let there = self.with_solution(posed, solution, performance, counters);
         let farthest = FARTHER * distance(&self.errors).max(1.0);
         // Written so that what is no number is too far.
-        if !(distance(&errors) <= farthest) {
-            return;
+        if distance(&there.errors) <= farthest {
+            *self = there;
         }
-        let sketch = performance.sketch;
-        let estimate = outcome::estimate(scene, sketch, &context, &solution, &errors, counters);
-        self.estimate = Estimate {
-            rivals: self.estimate.rivals,
-            ..estimate
-        };
-        (self.posed, self.solution, self.errors) = (posed, solution, errors);
     }
 
     /// Whether errors of a hand were told.

@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use super::errors::TreeErrors;
 use super::linear::{HeldDirections, Linear};
 use super::odds;
+use crate::estimate::adequacy::is_beyond_noise;
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::TreeProblem;
 use crate::estimate::tree::program::REGULARISER;
@@ -16,9 +17,7 @@ use crate::estimate::wander::wrong::without_wander;
 use crate::optimise::Solution;
 use crate::optimise::active::ActiveSet;
 
-/// Deviations of chance beyond which residuals are greater than noise,
-const CHANCES: f64 = 3.0;
-/// and how many residuals beyond what the motion may follow tell that.
+/// How many residuals beyond what the motion may follow tell whether they are greater than noise.
 const TELLING: f64 = 20.0;
 
 /// A solution and what is told of it.
@@ -71,8 +70,7 @@ impl<'s> Linearised<'s> {
         let noise = fitted.and_then(|of| restricted.at(&without_wander(&of.processes)));
         let freedom = (3 * rows.samples()) as f64 - restricted.free as f64;
         noise.is_some_and(|noise| {
-            let square = noise.left[(0, 0)];
-            freedom >= TELLING && square > (1.0 + CHANCES * (4.0 / freedom).sqrt()) * freedom
+            freedom >= TELLING && is_beyond_noise(noise.left[(0, 0)], 1.0, freedom)
         })
     }
 
