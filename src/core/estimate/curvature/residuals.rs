@@ -20,13 +20,14 @@
 use nalgebra::{DVector, Matrix3, SMatrix, SVector, Vector3};
 
 use crate::estimate::problem::{ArcSample, View};
-use crate::estimate::reach::arc_end::ArcEnd;
+use crate::estimate::reach::arc_end::{self, ArcEnd};
 use crate::estimate::terms::context::SolveContext;
 use crate::estimate::terms::tempo;
 use crate::estimate::unknowns::point::Point;
 use crate::math::so3;
 use crate::optimise::System;
 use crate::optimise::envelope::{Envelope, Pattern};
+use crate::physics::flow::Turns;
 use crate::physics::observe::TurnTerms;
 use crate::physics::state::part;
 use crate::physics::{Body, State};
@@ -64,8 +65,9 @@ pub fn add(
             flight.add_turn(&mut sum);
         }
         if problem.times_are_unknown() {
+            let mut turns = arc_end::turns(body, &point.arcs[index]);
             for sample in &view.samples {
-                flight.add_time(sample, &mut sum);
+                flight.add_time(sample, &mut turns, &mut sum);
             }
         }
     }
@@ -154,16 +156,11 @@ impl FlightTerms<'_> {
     }
 
     /// Adds the curvature by the time of a sample and whatever else it depends on.
-    fn add_time(&self, sample: &ArcSample, sum: &mut Sum) {
+    fn add_time(&self, sample: &ArcSample, turns: &mut Turns, sum: &mut Sum) {
         let (problem, layout) = (self.context.problem, self.context.layout);
         let gravity = problem.gravity(&self.point.parameters);
-        let then = ArcEnd::new(
-            self.body,
-            &gravity,
-            &self.point.arcs[self.arc],
-            self.context.epochs_s[self.arc],
-            self.time_s(sample),
-        );
+        let duration_s = self.time_s(sample) - self.context.epochs_s[self.arc];
+        let then = ArcEnd::after(turns, &gravity, &self.point.arcs[self.arc], duration_s);
         let pull = (then.state.position_m - sample.position_m) * self.view.units[0].powi(-2);
         let error = so3::log(&(sample.orientation.inverse() * then.state.orientation));
         let weight = self.turn_weight();

@@ -12,6 +12,7 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
+use crate::physics::flow::Turns;
 use crate::physics::state::{StateTangent, part};
 use crate::physics::{Body, State, flow};
 
@@ -68,6 +69,11 @@ impl<const R: usize> ByState<R> {
     }
 }
 
+/// The turns of a state, for [`ArcEnd::after`].
+pub(in crate::estimate) fn turns<'b>(body: &'b Body, state: &State) -> Turns<'b> {
+    Turns::new(body, &state.orientation, &state.angular_velocity_rad_s)
+}
+
 impl ArcEnd {
     pub(in crate::estimate) fn new(
         body: &Body,
@@ -76,9 +82,23 @@ impl ArcEnd {
         epoch_s: f64,
         time_s: f64,
     ) -> Self {
-        let duration_s = time_s - epoch_s;
-        let omega = &state.angular_velocity_rad_s;
-        let turn = flow::turn(body, &state.orientation, omega, duration_s);
+        Self::after(
+            &mut turns(body, state),
+            gravity_m_s2,
+            state,
+            time_s - epoch_s,
+        )
+    }
+
+    /// After a duration, by the turns of the same state.
+    pub(in crate::estimate) fn after(
+        turns: &mut Turns,
+        gravity_m_s2: &Vector3<f64>,
+        state: &State,
+        duration_s: f64,
+    ) -> Self {
+        let body = turns.body();
+        let turn = turns.after(duration_s);
         let state_then = State {
             position_m: flow::position(body, gravity_m_s2, state, duration_s),
             orientation: turn.orientation,

@@ -19,7 +19,7 @@ use crate::physics::body::Body;
 
 /// Longest rotation, as angle \[rad\]; since the speed is rounded down, up to twice this angle may
 /// be computed. Longer ones would take too many steps to store.
-pub const ANGLE_MAX_RAD: f64 = 2e4;
+pub const ANGLE_MAX_RAD: f64 = 2e3;
 
 /// `c_i = (I_j − I_k)/I_i` of Euler's equations `ω̇_i = c_i ω_j ω_k`.
 pub fn couplings(body: &Body) -> [f64; 3] {
@@ -259,28 +259,6 @@ pub fn advance(
     (node.rotation, motion.omega_rad_s(&node))
 }
 
-/// The rotation with its derivatives; NaN beyond [`ANGLE_MAX_RAD`].
-pub fn turn(body: &Body, omega_rad_s: &Vector3<f64>, duration_s: f64) -> Turned {
-    let motion = FlowMotion::new(body, omega_rad_s);
-    let Some(angle) = motion.angle(duration_s) else {
-        return unknown();
-    };
-    let mut node = motion.start.clone();
-    let mut left = angle;
-    while left != 0.0 {
-        let series = FlowStep::new(&motion, node);
-        let step = left.clamp(-series.reach, series.reach);
-        node = series.node(&motion, step);
-        left -= step;
-    }
-    Turned {
-        rotation: node.rotation,
-        omega_rad_s: motion.omega_rad_s(&node),
-        turn_by_spin: node.turn_by_spin / motion.speed_rad_s,
-        spin_by_spin: motion.variables.omega_by_variables() * node.variables_by_spin,
-    }
-}
-
 /// All NaN.
 fn unknown() -> Turned {
     let unknown = Vector3::repeat(f64::NAN);
@@ -325,16 +303,40 @@ impl Steps {
         if angle == 0.0 {
             return (UnitQuaternion::identity(), Matrix3::identity());
         }
+        self.reach(angle);
+        let (step, further) = self.sides[usize::from(angle < 0.0)].at(angle);
+        let (rotation, by_spin, _) = step.turn(&self.motion, further);
+        (rotation, by_spin / angle)
+    }
+
+    /// The rotation with all its derivatives; NaN beyond [`ANGLE_MAX_RAD`].
+    pub fn turned(&mut self, duration_s: f64) -> Turned {
+        let Some(angle) = self.motion.angle(duration_s) else {
+            return unknown();
+        };
+        self.reach(angle);
+        let motion = &self.motion;
+        let node = match angle {
+            0.0 => motion.start.clone(),
+            _ => {
+                let (step, further) = self.sides[usize::from(angle < 0.0)].at(angle);
+                step.node(motion, further)
+            }
+        };
+        Turned {
+            rotation: node.rotation,
+            omega_rad_s: motion.omega_rad_s(&node),
+            turn_by_spin: node.turn_by_spin / motion.speed_rad_s,
+            spin_by_spin: motion.variables.omega_by_variables() * node.variables_by_spin,
+        }
+    }
+
+    /// Computes the steps up to an angle.
+    fn reach(&mut self, angle: f64) {
         let side = &mut self.sides[usize::from(angle < 0.0)];
-        let distance = angle.abs();
-        while side.end() < distance {
+        while side.end() < angle.abs() {
             side.extend(&self.motion, angle.signum());
         }
-        let at = side.starts.partition_point(|start| *start < distance) - 1;
-        let step = &side.steps[at];
-        let (rotation, by_spin, _) =
-            step.turn(&self.motion, (distance - side.starts[at]).copysign(angle));
-        (rotation, by_spin / angle)
     }
 }
 
@@ -345,6 +347,16 @@ impl OneWay {
             (Some(start), Some(step)) => start + step.reach,
             _ => 0.0,
         }
+    }
+
+    /// The step that an angle is in, other than zero, and how far from the step's beginning.
+    fn at(&self, angle: f64) -> (&FlowStep, f64) {
+        let distance = angle.abs();
+        let at = self.starts.partition_point(|start| *start < distance) - 1;
+        (
+            &self.steps[at],
+            (distance - self.starts[at]).copysign(angle),
+        )
     }
 
     fn extend(&mut self, motion: &FlowMotion, direction: f64) {

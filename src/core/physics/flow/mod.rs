@@ -38,5 +38,5 @@ pub(super) use axial::Precession;
 pub use fall::{Fall, Fallen};
 pub use flight::{advance, position, rate, velocity};
 pub use flown::{ByStates, Flown, WantedDerivatives};
-pub use turn::{Spin, turn};
+pub use turn::{Spin, Turns, turn};
 pub use turned::Turn;

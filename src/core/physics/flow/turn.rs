@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::asymmetric::{self, Steps};
+use super::asymmetric::Steps;
 use super::axial::{Precession, Turning};
 use super::turned::Turn;
 use crate::math::so3;
@@ -15,17 +15,54 @@ pub fn turn(
     angular_velocity_rad_s: &Vector3<f64>,
     duration_s: f64,
 ) -> Turn {
-    if body.symmetry() != Symmetry::Asymmetric {
-        return Turning::of(body).turn(orientation, angular_velocity_rad_s, duration_s);
+    Turns::new(body, orientation, angular_velocity_rad_s).after(duration_s)
+}
+
+/// Free rotations from one orientation with one angular velocity, for many durations, with all derivatives.
+pub struct Turns<'b> {
+    body: &'b Body,
+    orientation: UnitQuaternion<f64>,
+    angular_velocity_rad_s: Vector3<f64>,
+    /// Where three moments differ: those of one duration serve the next.
+    steps: Option<Steps>,
+}
+
+impl<'b> Turns<'b> {
+    /// From an orientation with an angular velocity [rad/s, body].
+    pub fn new(
+        body: &'b Body,
+        orientation: &UnitQuaternion<f64>,
+        angular_velocity_rad_s: &Vector3<f64>,
+    ) -> Self {
+        let has_steps = body.symmetry() == Symmetry::Asymmetric;
+        Self {
+            body,
+            orientation: *orientation,
+            angular_velocity_rad_s: *angular_velocity_rad_s,
+            steps: has_steps.then(|| Steps::new(body, angular_velocity_rad_s)),
+        }
     }
-    let end = asymmetric::turn(body, angular_velocity_rad_s, duration_s);
-    let back = so3::matrix(&end.rotation).transpose();
-    Turn {
-        orientation: orientation * end.rotation,
-        angular_velocity_rad_s: end.omega_rad_s,
-        orientation_by_orientation: back,
-        orientation_by_angular_velocity: back * end.turn_by_spin,
-        angular_velocity_by_angular_velocity: end.spin_by_spin,
+
+    /// What turns.
+    pub fn body(&self) -> &'b Body {
+        self.body
+    }
+
+    /// The rotation after a duration \[s\]; NaN where [`super::advance`] gives NaN.
+    pub fn after(&mut self, duration_s: f64) -> Turn {
+        let (orientation, omega) = (&self.orientation, &self.angular_velocity_rad_s);
+        let Some(steps) = &mut self.steps else {
+            return Turning::of(self.body).turn(orientation, omega, duration_s);
+        };
+        let end = steps.turned(duration_s);
+        let back = so3::matrix(&end.rotation).transpose();
+        Turn {
+            orientation: orientation * end.rotation,
+            angular_velocity_rad_s: end.omega_rad_s,
+            orientation_by_orientation: back,
+            orientation_by_angular_velocity: back * end.turn_by_spin,
+            angular_velocity_by_angular_velocity: end.spin_by_spin,
+        }
     }
 }
 
