@@ -86,6 +86,11 @@ pub(super) fn advice(page: &Page, said: &EstimateReport) -> Vec<String> {
              you know, and it has less to search."
         ));
     }
+    if let Some(steps) = said.termination.unfinished_after_steps {
+        all.push(format!(
+            "The solver ended after {steps} steps: act fewer events in one take, or have fewer samples a second."
+        ));
+    }
     let missed = said
         .rest
         .iter()

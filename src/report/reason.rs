@@ -19,6 +19,8 @@ pub struct TerminationLine {
     /// Number of bounds after which the search over contacts ended without proof; none where it was
     /// complete, or where there was none.
     pub unproven_after_bounds: Option<usize>,
+    /// Number of the solver's steps after which it ended before all starts were tried to their ends; none where they were.
+    pub unfinished_after_steps: Option<usize>,
 }
 
 /// A measured value and what it may be.
@@ -61,6 +63,7 @@ impl TerminationLine {
             at,
             time_s,
             unproven_after_bounds: reason.unproven_after_bounds,
+            unfinished_after_steps: reason.unfinished_after_steps,
         }
     }
 }
@@ -132,12 +135,14 @@ pub fn reason_text(scene: &Scene, reason: &Reason) -> String {
             scene.name_of_mechanism(*mechanism)
         ),
     };
-    match reason.unproven_after_bounds {
-        Some(bounds) => {
-            format!("the search ended after {bounds} bounds: other contacts may fit better; {text}")
-        }
-        None => text,
-    }
+    let unproven = reason.unproven_after_bounds.map(|bounds| {
+        format!("the search ended after {bounds} bounds: other contacts may fit better; ")
+    });
+    let unfinished = reason.unfinished_after_steps.map(|steps| {
+        format!("the solver ended after {steps} steps: from other starts another motion may fit better; ")
+    });
+    let [unproven, unfinished] = [unproven, unfinished].map(Option::unwrap_or_default);
+    unproven + &unfinished + &text
 }
 
 fn progress_text(progress: &Progress) -> String {

@@ -141,5 +141,15 @@ fn reasons_have_words_and_numbers() {
         assert_eq!(reason_text(&scene, &reason), format!("{unproven}{text}"));
         let line = TerminationLine::new(&scene, &reason);
         assert_eq!(line.unproven_after_bounds, Some(7));
+        // So are starts that were not tried to their ends.
+        reason.unfinished_after_steps = Some(300);
+        let unfinished =
+            "the solver ended after 300 steps: from other starts another motion may fit better; ";
+        assert_eq!(
+            reason_text(&scene, &reason),
+            format!("{unproven}{unfinished}{text}")
+        );
+        let line = TerminationLine::new(&scene, &reason);
+        assert_eq!(line.unfinished_after_steps, Some(300));
     }
 }

@@ -22,10 +22,13 @@ use crate::estimate::unknowns::layout::Layout;
 use crate::estimate::unknowns::point::Point;
 use crate::motion::{
     Counters, End, Estimate, FitUntold, Guess, Observer, Performance, Phase, Quiet, Scene, Segment,
-    Sketch, VelocityGaps, Verdict,
+    Sketch, StepLimited, VelocityGaps, Verdict,
 };
 use crate::optimise::{Program, Work};
 
+/// Greatest number of looks at a sample in a stage of a solve, and least number of steps that it may take all the same.
+const LOOKS: usize = 1_000_000;
+const LEAST_STEPS: usize = 200;
 /// Another optimum is taken where its objective is less than this share of the first one's.
 const BETTER: f64 = 0.9;
 
@@ -208,10 +211,12 @@ pub fn estimate(
         scene.velocity_gaps == VelocityGaps::Always || exact.problem.is_overconstrained();
     let mut bent = None;
     let mut work = Counters::default();
+    let mut is_unfinished = false;
     let is_bent = may_bend && is_hopeless;
     let mut found = (!is_bent).then(|| {
         let best = exact.best(guesses, recipe, observer);
         add(&mut work, &best.solution.work, best.starts);
+        is_unfinished |= best.is_unfinished;
         best
     });
     let is_final = |s: &Solution| s.finished.converged || s.stopped || !may_bend;
@@ -219,6 +224,7 @@ pub fn estimate(
         let relaxed = Posed::new(exact.problem.with_velocity_gaps());
         let mut best = relaxed.best(guesses, recipe, observer);
         add(&mut work, &best.solution.work, best.starts);
+        is_unfinished |= best.is_unfinished;
         let closed = (!is_hopeless && !best.solution.stopped).then(|| {
             let from = &guesses[best.guess];
             let guess = best.solution.point.guess(&exact.problem, from);
@@ -244,6 +250,9 @@ pub fn estimate(
     let errors = outcome::errors(&posed.problem, &context, &solution.point);
     let mut estimate = outcome::estimate(scene, sketch, &context, &solution, &errors, work);
     estimate.rivals = rivals;
+    if is_unfinished {
+        estimate.reason.unfinished_after_steps = Some(work.iterations);
+    }
     Solved {
         estimate,
         epochs_s: context.epochs_s,
@@ -270,12 +279,30 @@ impl Posed {
         SolveContext::new(&self.problem, &self.layout, epochs_s, point)
     }
 
+    /// The best of the solutions from guesses, within the work that a stage may take.
     fn best(&self, guesses: &[Guess], recipe: &Recipe, observer: &mut dyn Observer) -> Best {
-        best(&self.problem, &self.layout, guesses, recipe, observer)
+        let mut bounded = self.bounded(observer);
+        let mut best = best(&self.problem, &self.layout, guesses, recipe, &mut bounded);
+        best.is_unfinished = bounded.is_used_up();
+        best.solution.stopped &= !best.is_unfinished;
+        best
     }
 
     fn solve(&self, guess: &Guess, recipe: &Recipe, observer: &mut dyn Observer) -> Solution {
-        recipe::solve(&self.problem, &self.layout, guess, recipe, observer)
+        let mut bounded = self.bounded(observer);
+        let mut found = recipe::solve(&self.problem, &self.layout, guess, recipe, &mut bounded);
+        found.stopped &= !bounded.is_used_up();
+        found
+    }
+
+    /// The observer of a stage: its work is limited, since far from any motion a solve may go on for minutes.
+    fn bounded<'o>(&self, observer: &'o mut dyn Observer) -> StepLimited<'o> {
+        let samples = self.problem.views().map(|(_, view)| view.samples.len());
+        let steps = LOOKS / samples.sum::<usize>().max(1);
+        StepLimited {
+            observer,
+            left: steps.max(LEAST_STEPS),
+        }
     }
 }
 
@@ -298,6 +325,8 @@ pub struct Best {
     pub starts: usize,
     /// Number of other motions that are as near to keyframes.
     pub rivals: usize,
+    /// Whether work ended before all guesses were tried to their ends.
+    pub is_unfinished: bool,
 }
 
 /// Solves from each guess. Of motions that are as near to keyframes as one another the first is the
@@ -334,6 +363,7 @@ pub fn best(
         solution,
         starts,
         rivals: alike.len().saturating_sub(1),
+        is_unfinished: false,
     }
 }
 

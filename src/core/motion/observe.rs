@@ -92,6 +92,35 @@ impl Observer for Counted<'_> {
     }
 }
 
+/// An observer that ends a stage after so many looks whether it should stop, a limit of work where no clock may count.
+pub struct StepLimited<'a> {
+    /// What is told and asked.
+    pub observer: &'a mut dyn Observer,
+    /// How often it may still be asked.
+    pub left: usize,
+}
+
+impl StepLimited<'_> {
+    /// Whether it ended the stage, and not what it asks.
+    pub fn is_used_up(&mut self) -> bool {
+        self.left == 0 && !self.observer.should_stop()
+    }
+}
+
+impl Observer for StepLimited<'_> {
+    fn phase(&mut self, phase: Phase) {
+        self.observer.phase(phase);
+    }
+
+    fn should_stop(&mut self) -> bool {
+        let Some(left) = self.left.checked_sub(1) else {
+            return true;
+        };
+        self.left = left;
+        self.observer.should_stop()
+    }
+}
+
 /// An observer of trials within a phase: their own phases are none of the run's.
 pub struct Quiet<'a>(pub &'a mut dyn Observer);
 

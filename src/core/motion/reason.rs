@@ -10,6 +10,9 @@ pub struct Reason {
     /// Number of bounds after which the search over contacts ended without a proof that no other
     /// contacts fit better; `None` where the search was complete, or where there was none.
     pub unproven_after_bounds: Option<usize>,
+    /// Number of the solver's steps after which it ended, the most for so many samples, before all starts were tried to their
+    /// ends; `None` where they were.
+    pub unfinished_after_steps: Option<usize>,
 }
 
 /// How an estimation ended.
@@ -79,6 +82,7 @@ impl From<End> for Reason {
         Self {
             end,
             unproven_after_bounds: None,
+            unfinished_after_steps: None,
         }
     }
 }

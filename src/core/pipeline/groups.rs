@@ -143,6 +143,9 @@ impl Groups {
             whole.verdict = whole.verdict.max(estimate.verdict);
             let unproven = estimate.reason.unproven_after_bounds;
             whole.reason.unproven_after_bounds = whole.reason.unproven_after_bounds.or(unproven);
+            let unfinished = estimate.reason.unfinished_after_steps;
+            whole.reason.unfinished_after_steps =
+                whole.reason.unfinished_after_steps.or(unfinished);
             whole.objective += estimate.objective;
             whole.arcs.extend(estimate.arcs.iter().cloned());
             whole.trees.extend(estimate.trees.iter().cloned());
