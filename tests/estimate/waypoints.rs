@@ -326,8 +326,9 @@ fn without_goals_a_waypoint_is_at_its_mark() {
             let [with, without] = [&outcome.estimate, &without.estimate];
             let objectives = [with.objective, without.objective];
             let apart = (objectives[0] - objectives[1]).abs();
+            // Rounding is another where there is one event more, and so is where the search for the likeliest errors ends.
             assert!(
-                apart < 1e-8 * objectives[0],
+                apart < 1e-7 * objectives[0],
                 "{kind:?} {number}: {objectives:?}"
             );
             assert_eq!(with.verdict, without.verdict, "{kind:?} {number}");

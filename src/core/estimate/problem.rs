@@ -544,6 +544,14 @@ impl Problem {
         }
     }
 
+    /// The problem with velocity gaps closed.
+    pub fn without_velocity_gaps(&self) -> Self {
+        Self {
+            velocity_gap_weight: None,
+            ..self.clone()
+        }
+    }
+
     /// Whether there are more equalities than unknowns besides sample times: then, except by
     /// coincidence, no motion satisfies all of them.
     pub fn is_overconstrained(&self) -> bool {

@@ -14,7 +14,11 @@ use crate::estimate::covariance::linearised::{LinearisedSolution, free_direction
 use crate::estimate::problem::weave::Weave;
 use crate::estimate::schedule::recipe::Solution;
 use crate::estimate::terms::context::{Guidance, SolveContext};
+use crate::estimate::terms::woven;
+use crate::estimate::unknowns::point::Point;
+use crate::estimate::wander::Process;
 use crate::estimate::wander::likelihood::{FittedErrors, Restricted};
+use crate::estimate::wander::series::SeriesRows;
 use crate::estimate::wander::wrong::{self, Judgement, KeptQuantity};
 use crate::motion::{
     Fit, FitUntold, Fits, Observer, Performance, Quantity, Scene, Suspect, Tested, WholeFit,
@@ -26,6 +30,10 @@ use crate::optimise::kkt::Kkt;
 const WELL: f64 = 1e-3;
 /// A hand that strays farther than this, in units of the scene's weights, is none.
 const FAR: f64 = 10.0;
+/// A motion that is nearer to its samples than this share of the distance of bodies that rest is not compared with these.
+const FAR_SHARE: f64 = 0.5;
+/// By how much `−2 log` of the likelihood of what rests may be less by chance: odds of a thousand.
+const BY_CHANCE: f64 = 13.8;
 /// Share of the wander that has to go with what a hand that drifts steadily is like.
 const DRIFT: f64 = 0.5;
 /// Of a link's length, how far elsewhere a joint must show for a motion to be said to fit.
@@ -67,14 +75,15 @@ pub(super) fn judge(
     }
     let linearised = LinearisedSolution::new(&extended, &point, &directions, count, 0.0);
     let linearised = linearised.ok_or(FitUntold::FewSamples)?;
+    let restricted = linearised.restricted();
     let joint = rms(problem, errors);
+    let may_rest = farther_than_rest(problem, joint[0] / FAR_SHARE);
     let asked = Asked {
         scene,
         quantities: &quantities,
         joint,
-        is_far: farther_than_rest(problem, joint[0]),
+        is_far: may_rest && is_likelier_at_rest(context, weave, &solution.point, restricted.rows),
     };
-    let restricted = linearised.restricted();
     let fitted = restricted.at(&weave.processes);
     let fitted = fitted.ok_or(FitUntold::FewSamples)?;
     let (fit, suspects) = asked.judged(&restricted, &fitted, observer)?;
@@ -83,6 +92,40 @@ pub(super) fn judge(
         suspects,
         start: None,
     })
+}
+
+/// Whether places that samples show are likelier of bodies that rest, with their likeliest errors, than of the motion: no one
+/// quantity is to blame for that. How far a hand strays does not tell it, for one that strays far from small motions shows these
+/// all the same.
+fn is_likelier_at_rest(
+    context: &SolveContext,
+    weave: &Weave,
+    point: &Point,
+    rows: &SeriesRows,
+) -> bool {
+    let likeliest = || {
+        let (series, columns) = woven::places(context, point, weave)?;
+        let places = SeriesRows::new(&series, &columns);
+        let size = columns.ncols();
+        let at_rest = Restricted {
+            rows: &places,
+            free: size - 1,
+            priors: &DMatrix::zeros(size, size),
+            least: 0.0,
+        };
+        let at_rest = at_rest.likeliest(&[Process::EXPECTED; 2])?;
+        let moving = Restricted {
+            rows: &rows.of_kind(0).select(&[rows.count() - 1]),
+            free: 0,
+            priors: &DMatrix::zeros(1, 1),
+            least: 0.0,
+        };
+        let moving = moving.at(&[weave.processes[0], Process::EXPECTED])?;
+        // Restricted likelihoods of other means are not comparable.
+        let at_rest = at_rest.merit - at_rest.information.ln_determinant();
+        Some(at_rest + BY_CHANCE < moving.merit)
+    };
+    rows.shows(0) && likeliest().unwrap_or(false)
 }
 
 /// How a quantity is looked at: a hand that drifts steadily is like a clock that is slow, another gravity or drag, but its
@@ -111,7 +154,7 @@ pub(in crate::estimate) struct Asked<'a> {
     pub(in crate::estimate) quantities: &'a [Quantity],
     /// Root mean square residual: position \[m\], orientation \[rad\].
     pub(in crate::estimate) joint: [f64; 2],
-    /// Whether it is farther from its samples than what rests.
+    /// Whether what rests explains its samples better.
     pub(in crate::estimate) is_far: bool,
 }
 

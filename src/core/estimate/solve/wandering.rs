@@ -17,7 +17,7 @@ use crate::estimate::schedule::recipe::{self, Recipe, Solution};
 use crate::estimate::terms::context::Guidance;
 use crate::estimate::wander::likelihood::{self, LikelyErrors};
 use crate::estimate::wander::{Process, process};
-use crate::motion::{Observer, Performance, Performer, Timing};
+use crate::motion::{Observer, Performance, Performer, Timing, VelocityGaps};
 use crate::optimise::kkt::Kkt;
 use crate::optimise::{Program, Work};
 
@@ -27,11 +27,13 @@ const ROUNDS: usize = 3;
 const FARTHER: f64 = 3.0;
 /// Errors are told well where no logarithm of their sizes and times changes by more.
 const SAME: f64 = 0.05;
+/// How many times as great, or as small, as their errors mean squares of residuals may be.
+const AS_EXPECTED: f64 = 1.5;
 
 impl Solved {
-    /// Goes on to the motion with the likeliest errors of a hand, from that at which each sample errs by itself. This one
-    /// stays where there is no hand or no time in which it strayed, where nobody knows how late a clock is, where velocities
-    /// jump, where it is no optimum, and where that leads to none or far away.
+    /// Goes on to the motion with the likeliest errors of a hand, from that at which each sample errs by itself, or where there
+    /// is none, as when a hand strays so far that velocities jump. This one stays where there is no hand or no time in which it
+    /// strayed, where nobody knows how late a clock is, where velocities must jump, and where that leads to none or far away.
     pub fn refine(&mut self, performance: Performance, observer: &mut dyn Observer) {
         let scene = performance.scene;
         let problem = &self.posed.problem;
@@ -39,11 +41,15 @@ impl Solved {
         let mut roles = problem.roles.iter();
         let is_late = roles.any(|role| matches!(role.influence, Influence::ClockOffset));
         let is_in_time = scene.timing != Timing::Edited && !problem.keeps_starts && !is_late;
-        let is_motion = self.solution.finished.converged && problem.velocity_gap_weight.is_none();
-        if !is_in_time || !is_motion || !self.is_of_hand(scene.performer) {
+        let may_be_motion =
+            scene.velocity_gaps != VelocityGaps::Always && !problem.is_overconstrained();
+        if !is_in_time || !may_be_motion || !self.is_of_hand(scene.performer) {
             return;
         }
+        let is_motion = self.solution.finished.converged && problem.velocity_gap_weight.is_none();
         let mut start = self.solution.clone();
+        // That of a problem where velocities may jump is no motion.
+        start.finished.converged = is_motion;
         let of_paces = problem.times_are_unknown().then(|| {
             let Performance {
                 sketch, segments, ..
@@ -92,15 +98,21 @@ fn distance(errors: &[Residuals]) -> f64 {
     mean_squares(errors).iter().sum::<f64>().sqrt()
 }
 
-/// The solution with the likeliest errors, and its problem, from one at which every sample erred by itself; `None` where there is
-/// no optimum.
+/// The solution with the likeliest errors, and its problem, from one at which every sample erred by itself or from none, where
+/// errors are as expected at first; `None` where there is no optimum.
 fn refined(
     posed: &Posed,
     start: Solution,
     epochs_s: &[f64],
     observer: &mut dyn Observer,
 ) -> Option<(Posed, Solution)> {
-    let mut errors = likely_at_start(posed, &start, epochs_s);
+    let expected = LikelyErrors::of([Process::EXPECTED; 2]);
+    let is_motion = start.finished.converged;
+    let mut errors = match is_motion {
+        true => likely_at_start(posed, &start, epochs_s).unwrap_or(expected.clone()),
+        false => expected.clone(),
+    };
+    let mut may_be_expected = is_motion;
     let mut best: Option<(Posed, Solution)> = None;
     let mut work = Work::default();
     for _ in 0..=ROUNDS {
@@ -110,20 +122,35 @@ fn refined(
         let from = best
             .as_ref()
             .map_or(&start.point, |(_, solution)| &solution.point);
-        let woven = Posed::new(posed.problem.woven(errors.processes, from));
+        let exact = posed.problem.without_velocity_gaps();
+        let woven = Posed::new(exact.woven(errors.processes, from));
+        let recipe = match is_motion || best.is_some() {
+            true => Recipe::default().from_the_last(),
+            false => Recipe::default().without_sweep(),
+        };
         let found = recipe::solve_from(
             &woven.problem,
             &woven.layout,
             from.clone(),
             epochs_s.to_vec(),
-            &Recipe::default().from_the_last(),
-            observer,
+            &recipe,
+            &mut woven.bounded(observer),
         );
         work.add(&found.work);
         if !found.finished.converged {
-            break;
+            if best.is_some() || !may_be_expected {
+                break;
+            }
+            // Where the motion of white noise is far off, its residuals tell little of a hand.
+            may_be_expected = false;
+            errors = expected.clone();
+            continue;
         }
-        let likely = likely(&woven, &found, epochs_s, &errors);
+        let apart_s = match is_as_expected(&woven, &found) {
+            true => likelihood::APART_S,
+            false => 0.0,
+        };
+        let likely = likely(&woven, &found, epochs_s, &errors, apart_s);
         best = Some((woven, found));
         let Some(likely) = likely else { break };
         let is_same = process::change(&errors.processes, &likely.processes) < SAME;
@@ -135,30 +162,43 @@ fn refined(
     best.map(|(posed, solution)| (posed, Solution { work, ..solution }))
 }
 
-/// The errors that a motion's residuals make likeliest where it was found without them; those that are expected where it may go
-/// along too many directions to tell.
-fn likely_at_start(posed: &Posed, start: &Solution, epochs_s: &[f64]) -> LikelyErrors {
+/// The errors that a motion's residuals make likeliest where it was found without them; `None` where it may go along too many
+/// directions to tell.
+fn likely_at_start(posed: &Posed, start: &Solution, epochs_s: &[f64]) -> Option<LikelyErrors> {
     let expected = LikelyErrors::of([Process::EXPECTED; 2]);
     let woven = Posed::new(posed.problem.woven(expected.processes, &start.point));
     let context = woven.context(epochs_s.to_vec(), &start.point);
     let system = context.evaluated(&Guidance::none(), &start.point);
     if is_too_free(&context, &system) {
-        return expected;
+        return None;
     }
     let start = Solution {
         system,
         ..start.clone()
     };
-    likely(&woven, &start, epochs_s, &expected).unwrap_or(expected)
+    likely(&woven, &start, epochs_s, &expected, likelihood::APART_S)
 }
 
-/// The errors that a motion's residuals make likeliest; `None` where they tell nothing of them. Where the motion may go along too
-/// many directions, residuals are taken as they are, and made greater by what they lack for having been fitted.
+/// Whether residuals are about as great as their errors: told by few samples, these can be far off.
+fn is_as_expected(posed: &Posed, solution: &Solution) -> bool {
+    let hands = posed.problem.weave.iter().flat_map(|weave| &weave.hands);
+    let samples = hands.flat_map(|of| &of.arcs).flat_map(|of| &of.samples);
+    let kinds = samples.map(|of| of.gains.iter().flatten().count());
+    let context = posed.context(Vec::new(), &solution.point);
+    let left = (3 * kinds.sum::<usize>()) as f64 - free_count(&context, &solution.system) as f64;
+    let ratio = 2.0 * solution.system.cost / left.max(1.0);
+    (AS_EXPECTED.recip()..=AS_EXPECTED).contains(&ratio)
+}
+
+/// The errors that a motion's residuals make likeliest, of samples at least so far apart \[s\]; `None` where they tell nothing of
+/// them. Where the motion may go along too many directions, residuals are taken as they are, and made greater by what they lack
+/// for having been fitted.
 fn likely(
     posed: &Posed,
     solution: &Solution,
     epochs_s: &[f64],
     from: &LikelyErrors,
+    apart_s: f64,
 ) -> Option<LikelyErrors> {
     let (point, system) = (&solution.point, &solution.system);
     let context = posed.context(epochs_s.to_vec(), point);
@@ -167,11 +207,12 @@ fn likely(
     let none = || DMatrix::zeros(context.layout.size(), 0);
     let is_told = free.is_some();
     let directions = free.unwrap_or_else(none);
-    let apart_s = if is_told { likelihood::APART_S } else { 0.0 };
     let count = directions.ncols();
-    let linearised = LinearisedSolution::new(&context, point, &directions, count, apart_s)?;
+    // What many directions lack is told of all samples.
+    let kept_s = if is_told { apart_s } else { 0.0 };
+    let linearised = LinearisedSolution::new(&context, point, &directions, count, kept_s)?;
     let restricted = linearised.restricted();
-    let mut likely = restricted.likely(from)?;
+    let mut likely = restricted.likely(from, apart_s)?;
     if is_told {
         return Some(likely);
     }

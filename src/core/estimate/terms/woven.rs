@@ -3,7 +3,9 @@
 //!
 //! Positions are in world axes, turns in the body's, which both go on through an impact.
 
-use nalgebra::DMatrix;
+use std::collections::BTreeSet;
+
+use nalgebra::{DMatrix, Vector3};
 
 use super::objective::Objective;
 use super::observed::{Observed, SampleObserver};
@@ -16,6 +18,7 @@ use crate::estimate::wander::filter::weighed;
 use crate::estimate::wander::series::Series;
 use crate::estimate::wander::white::WhiteProducts;
 use crate::estimate::wander::{Gain, Means};
+use crate::motion::TrackIndex;
 use crate::physics::state::{self, part};
 
 /// A sample of a hand.
@@ -334,6 +337,50 @@ pub(in crate::estimate) fn rows(
     }
     all.retain(|of| !of.rows.is_empty());
     let columns = DMatrix::from_row_slice(numbers.len() / count, count, &numbers);
+    Some((all, columns))
+}
+
+/// Places that samples show, in units, as they are of bodies that rest: a column for each axis of each track's place, then where
+/// it is seen. `None` where the parameters make no body.
+pub(in crate::estimate) fn places(
+    context: &SolveContext,
+    point: &Point,
+    weave: &Weave,
+) -> Option<(Vec<Series>, DMatrix<f64>)> {
+    let mut all: Vec<Series> = Vec::new();
+    let mut seen: Vec<(TrackIndex, Vector3<f64>)> = Vec::new();
+    for hand in &weave.hands {
+        let mut series = Series {
+            track: hand.track,
+            kind: 0,
+            taken: Vec::new(),
+            rows: Vec::new(),
+            unit: hand.units[0],
+        };
+        let is_body = each(context, point, hand, &mut |of, _| {
+            if of.woven.gains[0].is_some() {
+                let view = &context.problem.arcs[hand.arcs[of.place].arc].views[of.woven.view];
+                series.taken.push(of.woven.instant(0));
+                series.rows.push(3 * seen.len());
+                seen.push((view.track, of.sample.position_m / hand.units[0]));
+            }
+        });
+        if !is_body {
+            return None;
+        }
+        all.push(series);
+    }
+    all.retain(|of| !of.rows.is_empty());
+    let tracks: BTreeSet<TrackIndex> = seen.iter().map(|of| of.0).collect();
+    let tracks: Vec<TrackIndex> = tracks.into_iter().collect();
+    let mut columns = DMatrix::zeros(3 * seen.len(), 3 * tracks.len() + 1);
+    for (at, (track, place)) in seen.iter().enumerate() {
+        let of = tracks.binary_search(track).expect("it was collected");
+        for axis in 0..3 {
+            columns[(3 * at + axis, 3 * of + axis)] = 1.0;
+            columns[(3 * at + axis, 3 * tracks.len())] = place[axis];
+        }
+    }
     Some((all, columns))
 }
 

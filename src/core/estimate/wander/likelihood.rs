@@ -96,10 +96,9 @@ impl Restricted<'_> {
         self.with(processes, [&positions, &orientations])
     }
 
-    /// The likeliest errors, from where they are thought to be: as samples tell them that are not nearer to one another than a
-    /// hand moves.
-    pub fn likely(&self, from: &LikelyErrors) -> Option<LikelyErrors> {
-        let thinned = self.rows.thinned(APART_S);
+    /// The likeliest errors, from where they are thought to be: as samples tell them that are at least so far apart \[s\].
+    pub fn likely(&self, from: &LikelyErrors, apart_s: f64) -> Option<LikelyErrors> {
+        let thinned = self.rows.thinned(apart_s);
         let thin = Restricted {
             rows: &thinned,
             ..*self
@@ -107,13 +106,14 @@ impl Restricted<'_> {
         Some(thin.search(from)?.likely())
     }
 
-    /// What follows of them of all samples.
+    /// What follows of the likeliest errors, as samples tell them that are not nearer to one another than a hand moves.
     pub fn fitted(&self, from: &[Process; 2]) -> Option<FittedErrors> {
-        self.at(&self.likely(&LikelyErrors::of(*from))?.processes)
+        let likely = self.likely(&LikelyErrors::of(*from), APART_S)?;
+        self.at(&likely.processes)
     }
 
     /// The likeliest errors as all samples tell them.
-    pub(super) fn likeliest(&self, from: &[Process; 2]) -> Option<FittedErrors> {
+    pub fn likeliest(&self, from: &[Process; 2]) -> Option<FittedErrors> {
         let found = self.search(&LikelyErrors::of(*from))?;
         let [positions, orientations] = &found.here.products;
         self.with(&found.likely().processes, [positions, orientations])

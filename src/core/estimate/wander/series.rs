@@ -102,6 +102,15 @@ impl SeriesRows {
         }
     }
 
+    /// The same with the samples of one kind.
+    pub fn of_kind(&self, kind: usize) -> Self {
+        let of_kind = self.series.iter().filter(|of| of.kind == kind);
+        Self {
+            series: of_kind.cloned().collect(),
+            count: self.count,
+        }
+    }
+
     /// The same with samples that are at least so far apart \[s\].
     pub fn thinned(&self, apart_s: f64) -> Self {
         let of_series = self.series.iter().map(|of| {
