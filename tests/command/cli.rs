@@ -669,7 +669,7 @@ fn the_text_account_is_aligned_and_names_what_matters() {
         "bounce.restitution",
         "[0, 1]",
         "samples   111 read, ",
-        "checked   no overlap beyond 1.0 mm",
+        "checked   no overlap beyond 500 µm",
         "simulated from its first state it ends within < 1 µm, < 0.001°",
         "written   out/x.mcap\n",
     ] {

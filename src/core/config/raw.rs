@@ -78,7 +78,8 @@ pub(super) struct RawScene {
     /// Default: it is not known, and what the flights show decides.
     pub(super) hand: Option<Text>,
     /// How exactly shapes and places are known: overlaps up to it are the scene's inaccuracy, and a part that is
-    /// nearer to what it hits than the one that should hit, by no more than it, is not wrong. Default: 1.
+    /// nearer to what it hits than the one that should hit, by no more than it, is not wrong. Default: a hundredth of the
+    /// radius of the smallest body, 0.5 to 5.
     pub(super) tolerance_mm: Option<Number>,
     /// What moves, or is in the hand.
     #[serde(default)]

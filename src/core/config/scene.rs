@@ -87,7 +87,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         velocity_gaps: velocity_gaps(raw.velocity_gaps.as_ref())?,
         weights,
         performer,
-        tolerance_m: tolerance_m(raw.tolerance_mm.as_ref())?,
+        tolerance_m: tolerance_m(raw.tolerance_mm.as_ref())?.unwrap_or(Scene::TOLERANCE_M),
         settle_s: settle_s(raw.settle_s.as_ref())?,
     };
     for (body, tracks, link_from_given) in bodies {
@@ -99,6 +99,9 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     }
     hold(raw, &mut scene)?;
     join(raw, &mut scene)?;
+    if raw.tolerance_mm.is_none() {
+        scene.tolerance_m = scene.usual_tolerance_m();
+    }
     check_tracked(raw, &scene)?;
     let mut laws = Laws::new();
     let of_links = law::of_bodies(&raw.body, &mut laws)?;
@@ -238,10 +241,8 @@ fn weights(raw: Option<&RawWeights>, performer: Performer) -> Result<Weights, Fa
     Ok(weights)
 }
 
-fn tolerance_m(raw: Option<&Number>) -> Result<f64, Fault> {
-    let Some(number) = raw else {
-        return Ok(Scene::TOLERANCE_M);
-    };
+fn tolerance_m(raw: Option<&Number>) -> Result<Option<f64>, Fault> {
+    let Some(number) = raw else { return Ok(None) };
     let tolerance_m = positive("tolerance_mm", number)? / 1e3;
     if tolerance_m > TOLERANCE_LIMIT_M {
         let most_mm = 1e3 * TOLERANCE_LIMIT_M;
@@ -251,7 +252,7 @@ fn tolerance_m(raw: Option<&Number>) -> Result<f64, Fault> {
         );
         return fault(number.span(), message);
     }
-    Ok(tolerance_m)
+    Ok(Some(tolerance_m))
 }
 
 fn settle_s(raw: Option<&Number>) -> Result<Option<f64>, Fault> {

@@ -5,14 +5,15 @@
 //! there. Where the deepest point belongs to a feature that is expected to touch that partner
 //! before or after the flight, the feature's own depth counts. By how much the shape goes deeper
 //! than a point that represents it is reported separately; edges, rims and faces are exact. The
-//! scan misses nothing deeper than the tolerance, on ways of up to 250 m inside of others.
+//! scan misses nothing deeper than the tolerance, on ways of up to 25 m inside of others.
 
 use super::expected;
 use super::meeting::{MeetingPair, MeetingPartner, World};
 use crate::motion::{LinkIndex, Observer, Penetration, Touch};
 use crate::physics::contact::Feature;
 
-/// Way travelled between two distance queries inside an overlap \[m\].
+/// Way travelled between two distance queries inside an overlap \[tolerances\], and at most \[m\].
+const RESOLUTION: f64 = 0.25;
 const RESOLUTION_M: f64 = 2.5e-4;
 
 /// Greatest number of distance queries for one body and one partner on one arc.
@@ -129,11 +130,15 @@ impl<'w, 'm> OverlapScan<'w, 'm> {
         }
     }
 
+    fn resolution_m(&self) -> f64 {
+        RESOLUTION_M.min(RESOLUTION * self.tolerance_m)
+    }
+
     fn run(&self, touches: &mut [Touch], observer: &mut dyn Observer) -> Option<Penetration> {
         let MeetingPair { from_s, to_s, .. } = *self.meeting;
         let speed_m_s = self.meeting.speed_bound_m_s().max(f64::MIN_POSITIVE);
         let mut deepest: Option<Penetration> = None;
-        let mut threshold_m = self.tolerance_m - RESOLUTION_M;
+        let mut threshold_m = self.tolerance_m - self.resolution_m();
         let mut time_s = from_s;
         loop {
             let least_m = self.meeting.least_gap_m(time_s);
@@ -151,11 +156,11 @@ impl<'w, 'm> OverlapScan<'w, 'm> {
             if time_s >= to_s || observer.should_stop() {
                 break;
             }
-            let way_m = (gap_m + threshold_m).max(RESOLUTION_M);
+            let way_m = (gap_m + threshold_m).max(self.resolution_m());
             let step_s = (way_m / speed_m_s).max((to_s - from_s) / LOOKS);
             time_s = (time_s + step_s).min(to_s);
         }
-        let refined = self.refined(deepest?.time_s, RESOLUTION_M / speed_m_s);
+        let refined = self.refined(deepest?.time_s, self.resolution_m() / speed_m_s);
         (refined.depth_m > self.tolerance_m).then_some(refined)
     }
 
@@ -175,7 +180,7 @@ impl<'w, 'm> OverlapScan<'w, 'm> {
             if time_s >= to_s {
                 return None;
             }
-            let step_s = look.gap_m.max(RESOLUTION_M) / speed_m_s;
+            let step_s = look.gap_m.max(self.resolution_m()) / speed_m_s;
             time_s = (time_s + step_s.max((to_s - from_s) / LOOKS)).min(to_s);
         }
     }

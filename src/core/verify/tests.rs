@@ -136,7 +136,8 @@ fn a_dive_through_the_table_is_found_with_its_depth() {
 
 #[test]
 fn a_graze_is_no_overlap() {
-    for depth_m in [-0.1, -1e-4, 0.0, 0.9 * Scene::TOLERANCE_M] {
+    let tolerance_m = dive(0.0).0.tolerance_m;
+    for depth_m in [-0.1, -1e-4, 0.0, 0.9 * tolerance_m] {
         let (scene, state) = dive(depth_m);
         assert_eq!(deepest_of(&scene, &[state]), None, "{depth_m}");
     }
@@ -202,7 +203,7 @@ proptest! {
         let expected_m = looks.fold(f64::NEG_INFINITY, f64::max);
         let checked = verify(&scene, &estimate(&scene, vec![arc(MechanismIndex(0), state, 0.0, end_s)], &[]));
         let found_m = checked.deepest.map_or(0.0, |deepest| deepest.depth_m);
-        if expected_m > Scene::TOLERANCE_M {
+        if expected_m > scene.tolerance_m {
             prop_assert!(found_m > expected_m - 2.5e-4, "{found_m} {expected_m}");
         }
         prop_assert!(found_m <= expected_m.max(0.0) + 1e-5, "{found_m} {expected_m}");

@@ -110,7 +110,7 @@ const KEYS: &[(&str, &str, Option<&str>, &str, &str)] = &[
         "top",
     ),
     ("The whole file", "marks_topic", None, "\"/other\"", "top"),
-    ("The whole file", "tolerance_mm", None, "2", "top"),
+    ("The whole file", "tolerance_mm", Some("0.5"), "2", "top"),
     ("The whole file", "velocity_gaps", None, "\"never\"", "top"),
     ("[[body]]", "friction", None, "0.1", "[[body]]"),
     ("[[body]]", "friction_sd", None, "0.1", "[[body]]"),

@@ -95,9 +95,25 @@ pub enum VelocityGaps {
 }
 
 impl Scene {
-    /// How exactly shapes and places are known where the scene does not say \[m\]: they are typed in tenths of a
-    /// millimetre or measured with a ruler.
+    /// How exactly shapes and places are known where the scene does not say, least and most \[m\]: as a tracker sees them, and as a
+    /// tape measures them,
+    const TOLERANCES_M: [f64; 2] = [5e-4, 5e-3];
+    /// as a share of the radius of the smallest body,
+    const TOLERANCE_SHARE: f64 = 0.01;
+    /// and of what has no size.
     pub const TOLERANCE_M: f64 = 1e-3;
+
+    /// How exactly shapes and places are known where nobody says \[m\]: a hundredth of the radius of the smallest body, to one digit.
+    pub fn usual_tolerance_m(&self) -> f64 {
+        let radii_m = self.links.iter().map(Link::radius_m);
+        let smallest_m = radii_m.filter(|radius_m| *radius_m > 0.0).reduce(f64::min);
+        smallest_m.map_or(Self::TOLERANCE_M, |radius_m| {
+            let [least_m, most_m] = Self::TOLERANCES_M;
+            let tolerance_m = (Self::TOLERANCE_SHARE * radius_m).clamp(least_m, most_m);
+            let digit_m = 10_f64.powf(tolerance_m.log10().floor());
+            ((tolerance_m / digit_m).round() * digit_m).clamp(least_m, most_m)
+        })
+    }
 
     /// Adds a body.
     pub fn add(&mut self, body: FreeBody) -> LinkIndex {
