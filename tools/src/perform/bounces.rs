@@ -1,4 +1,4 @@
-//! A cube, or a regular tetrahedron, that bounces along a table, as often as one likes: for studies
+//! A cube, a regular tetrahedron, a brick or a stick that bounces along a table, as often as one likes: for studies
 //! of cost and scaling.
 //!
 //! A free run of a cube soon has flights of a few milliseconds, when corner after corner hits.
@@ -43,7 +43,7 @@ const SCAN_RAD: f64 = 0.03;
 /// What is thrown, and what makes a flight of it a good one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Throw {
-    /// Half the side of the cube, or of the one about the tetrahedron \[m\].
+    /// Half the side of the cube, or of the one about the other solid \[m\].
     pub half_m: f64,
     /// Height from which it is thrown \[m\].
     pub height_m: f64,
@@ -128,6 +128,21 @@ pub enum Polyhedron {
     Cube,
     /// Every other corner of the cube.
     Tetrahedron,
+    /// Flatter than the cube, so that its moments are three.
+    Brick,
+    /// As long as the cube, and a tenth as wide.
+    Stick,
+}
+
+impl Polyhedron {
+    /// Lengths of the sides of the cuboid whose corners, or every other of them, it has \[sides of the cube\].
+    fn sides(self) -> Vector3<f64> {
+        match self {
+            Self::Cube | Self::Tetrahedron => Vector3::repeat(1.0),
+            Self::Brick => Vector3::new(1.0, 0.7, 0.45),
+            Self::Stick => Vector3::new(0.1, 0.1, 1.0),
+        }
+    }
 }
 
 /// A motion of a cube with `count` bounces, each on a corner, then a last flight. No goals.
@@ -206,20 +221,25 @@ impl Bouncer {
     pub(super) fn new(solid: Polyhedron, throw: Throw) -> Self {
         let half_m = throw.half_m;
         let square_m2 = (2.0 * half_m) * (2.0 * half_m);
-        let moment_kg_m2 = match solid {
-            Polyhedron::Cube => MASS_KG * square_m2 / 6.0,
+        let moments_kg_m2 = match solid {
+            Polyhedron::Cube => Vector3::repeat(MASS_KG * square_m2 / 6.0),
             // m s²/20 with an edge that is a diagonal of a face.
-            Polyhedron::Tetrahedron => MASS_KG * square_m2 / 10.0,
+            Polyhedron::Tetrahedron => Vector3::repeat(MASS_KG * square_m2 / 10.0),
+            Polyhedron::Brick | Polyhedron::Stick => {
+                let squares = solid.sides().map(|side| side * side);
+                squares.map(|own| MASS_KG * square_m2 * (squares.sum() - own) / 12.0)
+            }
         };
         let is_corner = |corner: &usize| match solid {
-            Polyhedron::Cube => true,
             Polyhedron::Tetrahedron => corner.count_ones().is_multiple_of(2),
+            _ => true,
         };
+        let halves_m = solid.sides() * half_m;
         let sign = |corner: usize, axis: usize| {
             if corner >> axis & 1 == 0 {
-                -half_m
+                -halves_m[axis]
             } else {
-                half_m
+                halves_m[axis]
             }
         };
         let drag = Drag {
@@ -229,7 +249,7 @@ impl Bouncer {
         Self {
             solid,
             throw,
-            body: Body::new(MASS_KG, Vector3::repeat(moment_kg_m2))
+            body: Body::new(MASS_KG, moments_kg_m2)
                 .and_then(|body| body.with_drag(drag))
                 .expect("it is a body"),
             gravity_m_s2: Vector3::new(0.0, 0.0, -9.80665),
@@ -310,6 +330,9 @@ impl Bouncer {
             let turned = state.orientation.inverse_transform_vector(&Vector3::z());
             let below_m = match self.solid {
                 Polyhedron::Cube => throw.half_m * turned.abs().sum(),
+                Polyhedron::Brick | Polyhedron::Stick => {
+                    throw.half_m * turned.abs().dot(&self.solid.sides())
+                }
                 Polyhedron::Tetrahedron => {
                     let depths_m = self.corners_m.iter().map(|corner_m| -turned.dot(corner_m));
                     depths_m.fold(f64::NEG_INFINITY, f64::max)
@@ -392,11 +415,11 @@ impl Bouncer {
             topic: "/tracker/cube/pose".to_owned(),
             body: self.body,
             shape: match self.solid {
-                Polyhedron::Cube => Shape::Cuboid {
-                    half_extents_m: Vector3::repeat(self.throw.half_m),
-                },
                 Polyhedron::Tetrahedron => Shape::Hull {
                     points_m: self.corners_m.clone(),
+                },
+                _ => Shape::Cuboid {
+                    half_extents_m: self.solid.sides() * self.throw.half_m,
                 },
             },
             body_from_tracker: Pose::translation(0.02, -0.03, self.throw.half_m),
@@ -436,6 +459,7 @@ impl Bouncer {
             tolerance_m: Scene::TOLERANCE_M,
         };
         scene.add(cube);
+        scene.tolerance_m = scene.usual_tolerance_m();
         scene
     }
 }

@@ -48,6 +48,7 @@ mod posing;
 mod record;
 mod rest;
 mod run;
+mod scenes;
 mod sequences;
 mod slowly;
 mod speed;
@@ -115,6 +116,11 @@ const SUBJECTS: &[Subject] = &[
         "wander",
         "errors of a hand as a process in time",
         wander::run
+    ),
+    subject!(
+        "scenes",
+        "right performances of scenes drawn at random",
+        scenes::run
     ),
     subject!("peers", "general solvers on the same problems", peers::run),
     subject!(
