@@ -126,13 +126,11 @@ impl Case {
     /// physical time is a convention, and the first sample that is used has it.
     pub fn offset_s(&self, posed: &Posed, sketch: &Sketch) -> f64 {
         let times = posed.segments.iter().zip(&posed.guesses[0].arcs);
-        let firsts = times.map(|(segment, arc)| {
+        let firsts = times.filter_map(|(segment, arc)| {
             let view = &segment.views[0];
-            let sample = &sketch.samples_of(view)[0];
-            (
-                arc.sample_times_s[0],
-                self.hidden_s(view.track, sample.stamp),
-            )
+            let sample = sketch.samples_of(view).first()?;
+            let guessed_s = arc.sample_times_s.first()?;
+            Some((*guessed_s, self.hidden_s(view.track, sample.stamp)))
         });
         let first = firsts.min_by(|a, b| a.0.total_cmp(&b.0));
         first.map_or(0.0, |(guessed_s, hidden_s)| guessed_s - hidden_s)
