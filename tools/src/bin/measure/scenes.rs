@@ -18,9 +18,9 @@ use crate::statistics::{largest, median};
 use crate::table::{Table, number, share};
 
 /// Seeds that are drawn of a row.
-const SEEDS: u64 = 150;
+const SEEDS: u64 = 60;
 /// After which an answer is told to stop \[s on a core\].
-const LIMIT_S: f64 = 45.0;
+const LIMIT_S: f64 = 20.0;
 /// An event's time that is farther off than so many deviations is wrong in silence where nothing speaks against the motion.
 const DEVIATIONS: f64 = 4.0;
 /// Share of the body's length by which a hand wanders that is small.
