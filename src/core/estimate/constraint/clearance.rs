@@ -241,7 +241,8 @@ impl Clearance {
             gravity_m_s2: &gravity_m_s2,
             ends_s: [start_s, end_s.max(start_s)],
         };
-        let clamped = |time_s: f64| time_s.clamp(start_s, end_s.max(start_s));
+        // A step that is tried may lead to times that are none: what follows of them is none either.
+        let clamped = |time_s: f64| time_s.max(start_s).min(end_s.max(start_s));
         let [from_s, to_s] = [
             clamped(self.around_s - self.reach_s),
             clamped(self.around_s + self.reach_s),
