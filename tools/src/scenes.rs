@@ -28,8 +28,6 @@ const PACES: [f64; 2] = [0.4, 2.5];
 const KINKS_S: [f64; 2] = [0.004, 0.02];
 /// Greatest number of bounces.
 const BOUNCES: f64 = 10.0;
-/// Error of marks as they are made [s, acted]: at most twice this.
-const MARK_S: f64 = 0.03;
 /// How near the true motion comes to what is beside it, in lengths of the body, and at least.
 const CLEARANCE: f64 = 0.05;
 /// Times at which distances are looked at \[s\].
@@ -37,7 +35,7 @@ const LOOK_S: f64 = 2e-3;
 
 /// What is beside the motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Beside {
+enum Beside {
     /// The table alone.
     Nothing,
     /// A wall.
@@ -61,18 +59,10 @@ pub enum Asked {
 
 /// A performance drawn at random.
 pub struct DrawnScene {
-    /// What is thrown.
-    pub solid: Polyhedron,
-    /// Its length \[m\].
-    pub side_m: f64,
-    /// As often it bounces.
-    pub bounces: usize,
-    /// What is beside it.
-    pub beside: Beside,
-    /// What is asked.
-    pub asked: Asked,
+    /// Length of what is thrown \[m\].
+    side_m: f64,
     /// Who acts it.
-    pub acting: Acting,
+    acting: Acting,
     /// Whether marks are as people make them.
     pub has_rough_marks: bool,
     truth: Truth,
@@ -97,7 +87,6 @@ impl DrawnScene {
         let bounces = log_uniform([1.0, BOUNCES + 1.0], &mut rng) as usize;
         let besides = [Beside::Nothing, Beside::Wall, Beside::Box, Beside::Bar];
         let beside = one_of(&besides, &mut rng);
-        let asked = one_of(&[Asked::Nothing, Asked::Position, Asked::Pose], &mut rng);
         let has_rough_marks = rng.random();
         let kink_s = rng.random_range(KINKS_S[0]..KINKS_S[1]);
         let [rate_hz, distortion, wander_pace] =
@@ -113,7 +102,7 @@ impl DrawnScene {
             kink_s,
             stamp_jitter_s: of_stamps.stamp_jitter_s.min(0.1 / rate_hz),
             mark_error_s: match has_rough_marks {
-                true => MARK_S,
+                true => Acting::default().mark_error_s,
                 false => 0.5 / rate_hz,
             },
             ..of_stamps
@@ -122,11 +111,7 @@ impl DrawnScene {
         let mut truth = thrown(solid, &throw, bounces, seed).ok()?;
         stand(&mut truth, beside, side_m, &mut rng)?;
         Some(Self {
-            solid,
             side_m,
-            bounces,
-            beside,
-            asked,
             acting,
             has_rough_marks,
             truth,
