@@ -8,7 +8,7 @@
 use super::outcome::Outcome;
 use super::perform::Performed;
 use crate::estimate::Solved;
-use crate::motion::{About, Fits, Observer, Phase, Verdict};
+use crate::motion::{About, Fits, Observer, Performer, Phase, Scene, Verdict};
 use crate::verify::overlaps;
 
 /// Greatest number of rounds.
@@ -20,6 +20,8 @@ const LEAST_WORK: usize = 100;
 
 /// Greatest ratio of the objectives of a motion that is kept out and of the one that is not.
 const FARTHER: f64 = 1.2;
+/// Ratio of these beyond which no further distance can lead it back.
+const HOPELESS: f64 = 10.0;
 /// Where errors of a hand are told, greatest difference of the two where one distance holds the motion, and how much greater
 /// it may be for each more, in the variance of a residual: the truth keeps out too, so that it is greater once in a thousand
 /// times by chance (χ² of as many numbers as there are distances).
@@ -59,18 +61,21 @@ pub(super) fn kept_out(mut take: Performed, observer: &mut dyn Observer) -> Opti
             return None;
         }
         if found.is_empty() {
-            let is_near = is_near(objective, solved, performance.scene.tolerance_m);
+            let is_near = is_near(objective, solved, performance.scene);
             return (is_near && round > 0).then_some(take);
         }
-        if spent(solved) > most || !solved.keep_apart(performance, &found, observer) {
+        let is_hopeless = solved.estimate.objective > HOPELESS * objective.max(DIFFERENCE[0]);
+        if is_hopeless || spent(solved) > most || !solved.keep_apart(performance, &found, observer)
+        {
             return None;
         }
     }
     None
 }
 
-/// Whether a motion that is kept out is about as near to its performance as the one that was not.
-fn is_near(objective: f64, solved: &Solved, tolerance_m: f64) -> bool {
+/// Whether a motion that is kept out is about as near to its performance as the one that was not: by no more than a share
+/// farther, and than chance explains. Where nobody says that there was no hand, samples may err by the scene's weights.
+fn is_near(objective: f64, solved: &Solved, scene: &Scene) -> bool {
     let kept = solved.estimate.objective;
     let residuals = solved.estimate.residuals.iter().map(|of| {
         let kinds = [
@@ -80,9 +85,12 @@ fn is_near(objective: f64, solved: &Solved, tolerance_m: f64) -> bool {
         3 * of.samples * kinds.into_iter().filter(|is_seen| *is_seen).count()
     });
     let variance = objective / residuals.sum::<usize>().max(1) as f64;
-    let held = solved.just_passed(tolerance_m).len();
+    let held = solved.just_passed(scene.tolerance_m).len();
     let most = DIFFERENCE[0] + DIFFERENCE[1] * held.saturating_sub(1) as f64;
-    // Samples of a hand that is not told count too often for that.
-    let is_likely = !solved.errs_in_time() || kept - objective <= most * variance;
-    kept <= FARTHER * objective && is_likely
+    let farther = kept - objective;
+    if solved.errs_in_time() {
+        return kept <= FARTHER * objective && farther <= most * variance;
+    }
+    let may_err = scene.performer != Performer::Nobody;
+    kept <= FARTHER * objective || may_err && farther <= most
 }

@@ -62,6 +62,13 @@ impl Performed {
         solved.refine(performance, observer);
     }
 
+    /// The same of a motion that changed since, if samples did not show a hand before.
+    pub(super) fn refine_again(&mut self, observer: &mut dyn Observer) {
+        if !self.inferred.solved.errs_in_time() {
+            self.refine(observer);
+        }
+    }
+
     /// Looks whether the motion explains the performance.
     pub(super) fn judge(&mut self, observer: &mut dyn Observer) {
         let (solved, performance) = self.parts();

@@ -36,6 +36,24 @@ pub struct Clearance {
     pub acting: Vec<ActingParameter>,
 }
 
+impl Clearance {
+    /// Whether it is of the same solids as another one, at about the same time.
+    pub fn is_beside(&self, other: &Self) -> bool {
+        (self.link, self.against) == (other.link, other.against)
+            && (self.around_s - other.around_s).abs() <= self.reach_s.max(other.reach_s)
+    }
+
+    /// Whether both are of one pair of features, at the same face.
+    pub fn shares_face(&self, other: &Self) -> bool {
+        match (&self.touches, &other.touches) {
+            (ClearanceTouches::One(one), ClearanceTouches::One(another)) => {
+                one.shares_face(another)
+            }
+            _ => false,
+        }
+    }
+}
+
 /// How what a body must stay out of moves.
 #[derive(Clone, Debug)]
 pub enum KeptFrom {

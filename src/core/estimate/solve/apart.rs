@@ -29,31 +29,15 @@ impl Solved {
             estimate: &self.estimate,
             problem,
         };
-        let mut clearances = self.kept(&overlapping);
-        let before = clearances.len();
-        let mut is_told = false;
-        for found in found {
-            let Some(of) = overlapping.clearance(found) else {
-                continue;
-            };
-            is_told = true;
-            let is_same = |other: &&mut Clearance| {
-                (other.link, other.against) == (of.link, of.against)
-                    && (other.around_s - of.around_s).abs() <= other.reach_s.max(of.reach_s)
-            };
-            match clearances[..before].iter_mut().find(is_same) {
-                Some(other) => {
-                    *other = Clearance {
-                        depth_m: of.depth_m.max(other.depth_m),
-                        ..of
-                    }
-                }
-                None => clearances.push(of),
-            }
-        }
-        if !is_told {
+        let told: Vec<Clearance> = found
+            .iter()
+            .filter_map(|found| overlapping.clearance(found))
+            .collect();
+        if told.is_empty() {
             return false;
         }
+        let kept = self.kept(&overlapping);
+        let clearances = told.into_iter().fold(kept, with);
         let mut problem = problem.clone();
         problem.clearances = clearances;
         let posed = Posed::new(problem);
@@ -91,8 +75,13 @@ impl Solved {
     /// What is held out of something, and only just passes it: as a doubt that is only to be known.
     pub fn just_passed(&self, tolerance_m: f64) -> Vec<Doubt> {
         let at = At::new(&self.posed.problem, &self.solution.point, &self.epochs_s);
-        let held = self.clearances().filter(|(_, is_held)| *is_held);
-        let doubts = held.map(|(of, _)| Doubt {
+        let mut held: Vec<&Clearance> = Vec::new();
+        for (of, _) in self.clearances().filter(|(_, is_held)| *is_held) {
+            if !held.iter().any(|other| other.is_beside(of)) {
+                held.push(of);
+            }
+        }
+        let doubts = held.into_iter().map(|of| Doubt {
             about: About::KeptOut,
             place: Place::Inside {
                 link: of.link,
@@ -113,10 +102,12 @@ impl Solved {
         clearances.iter().zip(pulls.iter().map(|pull| *pull != 0.0))
     }
 
-    /// The distances that are kept already, with the features that are nearest now where they hold the motion.
+    /// The distances that are kept already: where they hold the motion, of the features that are nearest now, unless these
+    /// are at the same face and the others stay where they are.
     fn kept(&self, overlapping: &Overlapping) -> Vec<Clearance> {
         let at = At::new(&self.posed.problem, &self.solution.point, &self.epochs_s);
-        let kept = self.clearances().map(|(of, is_held)| {
+        let mut kept: Vec<Clearance> = Vec::new();
+        for (of, is_held) in self.clearances() {
             let mut of = of.clone();
             if let Some(least) = of.least(&at) {
                 of.around_s = least.time_s;
@@ -129,12 +120,30 @@ impl Solved {
                 point_m: nalgebra::Vector3::zeros(),
             };
             let again = is_held.then(|| overlapping.clearance(&nearest));
-            let depth_m = of.depth_m;
-            Clearance {
-                depth_m,
-                ..again.flatten().unwrap_or(of)
+            let again = again.flatten().filter(|again| !again.shares_face(&of));
+            let of = Clearance {
+                depth_m: of.depth_m,
+                ..again.unwrap_or(of)
+            };
+            let is_kept = |other: &Clearance| other.is_beside(&of) && other.touches == of.touches;
+            if !kept.iter().any(is_kept) {
+                kept.push(of);
             }
-        });
-        kept.collect()
+        }
+        kept
     }
+}
+
+/// Clearances with another one. Of those of the same solids at about the same time stay those at the same face: where a box
+/// comes down on a plate each of its corners must keep out. Beside another face they would ask for too much.
+fn with(clearances: Vec<Clearance>, of: Clearance) -> Vec<Clearance> {
+    let (beside, mut all): (Vec<Clearance>, Vec<Clearance>) = clearances
+        .into_iter()
+        .partition(|other| other.is_beside(&of));
+    let depth_m = beside.iter().map(|other| other.depth_m);
+    let depth_m = depth_m.fold(of.depth_m, f64::max);
+    let stays = |other: &Clearance| other.shares_face(&of) && other.touches != of.touches;
+    all.extend(beside.into_iter().filter(stays));
+    all.push(Clearance { depth_m, ..of });
+    all
 }

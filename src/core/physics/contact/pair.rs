@@ -5,6 +5,10 @@ use nalgebra::Vector3;
 use super::error::ContactError;
 use super::feature::Feature;
 
+/// Cosine of the angle between normals, and distance \[m\] between planes, of faces that are the same.
+const SAME_DIRECTION: f64 = 0.9999;
+const SAME_M: f64 = 1e-5;
+
 /// A pair of features that may touch: one of a body A, one of a body B or of the static world.
 ///
 /// Supported are point–face, rim–face, point–point, point–line, each in either order, and
@@ -116,6 +120,25 @@ impl Contact {
     /// B's feature.
     pub fn b(&self) -> &Feature {
         &self.b
+    }
+
+    /// Whether another contact of the same two bodies is with the same face of either, of a convex solid: two features of the
+    /// one may be at a face of the other at the same time.
+    pub fn shares_face(&self, other: &Self) -> bool {
+        let is_same = |one: &Feature, another: &Feature| match (*one, *another) {
+            (
+                Feature::Face { point_m, normal },
+                Feature::Face {
+                    point_m: other_m,
+                    normal: other_normal,
+                },
+            ) => {
+                let off_m = normal.dot(&(other_m - point_m));
+                normal.dot(&other_normal) > SAME_DIRECTION && off_m.abs() < SAME_M
+            }
+            _ => false,
+        };
+        is_same(&self.a, &other.a) || is_same(&self.b, &other.b)
     }
 
     /// The axes about which the normal may be tilted: two unit tangents of B's face, in B's
