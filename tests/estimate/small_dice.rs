@@ -2,7 +2,7 @@
 //! annotators make them. The motion is physical, the best one known, and no sample is compared with
 //! a flight that is over.
 
-use enact::motion::{About, Estimate, Verdict};
+use enact::motion::{About, Estimate, Fits, Verdict};
 use enact_tools::case::Case;
 use enact_tools::perform::{Acting, Polyhedron, Style, Throw, thrown};
 use enact_tools::starts::{from_truth, is_best, optimum};
@@ -172,4 +172,31 @@ fn a_mark_holds_its_event_as_firmly_as_it_says() {
         firm_s < 0.8 * usual_s && usual_s < 0.5 * loose_s,
         "{firm_s} {usual_s} {loose_s}"
     );
+}
+
+/// A die of 16 mm that flies for a twentieth of a second has six samples in a flight before a usual tracker: these are no
+/// keyframes, and a hand that strays is told of all flights together.
+#[test]
+fn a_few_samples_of_a_short_throw_are_a_stream() {
+    let (mut dice, mut physical) = (0, 0);
+    for seed in 300..312 {
+        let Ok(truth) = thrown(Polyhedron::Cube, &Throw::DIE, 1, seed) else {
+            continue;
+        };
+        let acting = Acting {
+            distortion: 0.3,
+            kink_s: 0.008,
+            ..Acting::timing_known()
+        };
+        let case = Case::new(&truth, &acting, seed);
+        let outcome = case.pipeline().finish(&mut ()).expect("an estimate");
+        let scene = &outcome.scene;
+        assert!(!scene.is_keyframed(&outcome.sketch), "{seed}");
+        let estimate = &outcome.estimate;
+        dice += 1;
+        let is_well = estimate.verdict == Verdict::Physical && estimate.fits() != Fits::No;
+        physical += usize::from(is_well && estimate.suspects.is_empty());
+    }
+    assert!(dice >= 10, "{dice}");
+    assert!(10 * physical >= 9 * dice, "{physical} of {dice}");
 }

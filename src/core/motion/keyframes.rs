@@ -7,6 +7,13 @@ use super::sketch::{Sample, Seen, Sketch};
 /// Greatest number of samples of a flight, in the mean of a track, that are keyframes. Streams of
 /// 30 samples a second have more in a flight of a fifth of a second.
 const PER_FLIGHT_MAX: usize = 6;
+/// Greatest median interval of a tracker's samples \[s\], of which nearly all others
+const STREAM_S: f64 = 0.045;
+/// differ by no more than a share: with a few of them a flight may be short before it.
+const STREAM_SHARE: f64 = 0.2;
+const NEARLY_ALL: f64 = 0.8;
+/// Least number of samples of a flight of which a stream tells anything.
+const PER_FLIGHT_MIN: usize = 3;
 
 impl Scene {
     /// Whether a track's samples are keyframes: poses, or poses and parts of them, with physical times
@@ -26,7 +33,11 @@ impl Scene {
         let is_physical = matches!(self.timing, Timing::Known | Timing::Edited);
         let of_track = &sketch.tracks[track];
         let samples = &of_track.samples;
-        let is_few = samples.len() <= PER_FLIGHT_MAX * flights;
+        let is_stream = self.timing == Timing::Known
+            && !of_track.are_written
+            && samples.len() >= PER_FLIGHT_MIN * flights
+            && are_regular(samples);
+        let is_few = samples.len() <= PER_FLIGHT_MAX * flights && !is_stream;
         let is_whole = |sample: &Sample| matches!(sample.seen, Seen::Pose { .. });
         is_physical
             // No stream has samples without a time.
@@ -59,4 +70,19 @@ impl Scene {
         }
         self.with_free(&clocks)
     }
+}
+
+/// Whether samples follow each other as fast and as regularly as those of a tracker.
+fn are_regular(samples: &[Sample]) -> bool {
+    let intervals = samples.windows(2);
+    let mut intervals_s: Vec<f64> = intervals
+        .map(|pair| pair[1].acted_s - pair[0].acted_s)
+        .collect();
+    intervals_s.sort_by(f64::total_cmp);
+    let Some(&median_s) = intervals_s.get(intervals_s.len() / 2) else {
+        return false;
+    };
+    let is_alike = |of: &&f64| (*of - median_s).abs() <= STREAM_SHARE * median_s;
+    let alike = intervals_s.iter().filter(is_alike).count() as f64;
+    median_s <= STREAM_S && alike >= NEARLY_ALL * intervals_s.len() as f64
 }

@@ -92,6 +92,8 @@ pub struct TrackSketch {
     /// Of samples whose times are not known, by their index: the least and the greatest that is to
     /// be added to `acted_s` \[s\].
     pub open_times_s: BTreeMap<usize, [f64; 2]>,
+    /// Whether somebody wrote them as keyframes.
+    pub are_written: bool,
     /// The motion that they show of a body in the hand.
     pub held: Option<HeldMotion>,
 }
@@ -116,6 +118,7 @@ impl TrackSketch {
             samples,
             covariances: Vec::new(),
             open_times_s: BTreeMap::new(),
+            are_written: false,
             held: None,
         }
     }

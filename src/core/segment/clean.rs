@@ -457,6 +457,7 @@ fn sketch(
             samples,
             covariances,
             open_times_s,
+            are_written: stream.iter().any(|reading| reading.is_written(events)),
             held: None,
         });
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::motion::{Covariance, Holds, OpenTime, PoseSample, Stamp, TakeEvent};
+use crate::motion::{Covariance, Holds, OpenTime, PoseSample, SampleSource, Stamp, TakeEvent};
 
 /// A reading as cleaning sorts, changes and leaves it out. What only a few readings come with stays in
 /// the take, so that all others are moved without it.
@@ -51,6 +51,12 @@ impl Reading {
             return None;
         }
         self.delivered(events)?.open
+    }
+
+    /// Whether somebody wrote it as a keyframe.
+    pub(super) fn is_written(&self, events: &[TakeEvent]) -> bool {
+        let delivered = self.delivered(events);
+        delivered.is_some_and(|sample| sample.from == SampleSource::Keyframe)
     }
 
     fn delivered<'e>(&self, events: &'e [TakeEvent]) -> Option<&'e PoseSample> {
