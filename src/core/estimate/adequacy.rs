@@ -27,12 +27,12 @@ use self::part::{Part, PartTest};
 use self::suspects::{Errors, Which};
 use crate::estimate::covariance::bins::{Bins, Residuals, Six};
 use crate::estimate::covariance::noise::{self, mean_squares};
+use crate::estimate::outcome;
 use crate::estimate::problem::{Problem, View};
 use crate::estimate::schedule::recipe::Solution;
 use crate::estimate::terms::context::SolveContext;
 use crate::estimate::unknowns::point::Point;
 use crate::motion::{Fit, FitUntold, Fits, Observer, Performance, Performer, Suspect, Tested};
-use crate::optimise::System;
 
 /// Below this probability of the data under the model they do not fit; above, they may.
 const NOT: f64 = 1e-9;
@@ -42,6 +42,8 @@ const WELL: f64 = 1e-3;
 const LIKELY: f64 = 0.1;
 /// Logarithm of the odds above which the flights show a wander.
 const SHOWN: f64 = 3.0;
+/// Duration of flights that go along with any wander of a hand \[s\].
+const SHORT_S: f64 = 0.15;
 /// Deviations of a ratio of variances that are no chance.
 const CHANCES: f64 = 3.0;
 
@@ -66,12 +68,35 @@ impl From<Fit> for Judged {
     }
 }
 
-/// Whether flights by themselves show more than noise: their residuals are greater than differences of neighbours tell, by more
-/// than chance.
-pub(super) fn show_hand(context: &SolveContext, point: &Point, system: &System) -> bool {
+/// Whether samples show a hand: flights by themselves are farther from them than differences of neighbours tell, by more than
+/// chance. Flights so short that they go along with any wander show it together: noise does not explain how they agree then, but
+/// errors as great as the scene expects do.
+pub(super) fn show_hand(context: &SolveContext, solution: &Solution) -> bool {
+    let (point, system) = (&solution.point, &solution.system);
     let Some(alone) = Alone::new(context, point, system) else {
         return false;
     };
+    if stray_alone(context, &alone) {
+        return true;
+    }
+    let mut arcs = context.problem.arcs.iter();
+    let longest_s = arcs.try_fold(0.0, |longest_s: f64, arc| {
+        let [first, last] = arc.ends()?.map(|sample| sample.time_s(&point.node_times_s));
+        Some(longest_s.max(last - first))
+    });
+    if longest_s.is_none_or(|longest_s| longest_s > SHORT_S) {
+        return false;
+    }
+    let tests = tests(context, &alone, solution, &mut ());
+    let count = tests.len() as f64;
+    let is_noise = |test: &PartTest| count * test.fit.by_noise.probability >= WELL;
+    let errors = outcome::errors(context.problem, context, point);
+    let is_expected = mean_squares(&errors).iter().all(|square| *square <= 1.0);
+    is_expected && !tests.iter().all(is_noise)
+}
+
+/// Whether flights by themselves are farther from their samples than noise makes them.
+fn stray_alone(context: &SolveContext, alone: &Alone) -> bool {
     let white = noise::white(&alone.errors);
     let squares = mean_squares(&alone.errors);
     let flights = context.problem.seen_arcs();

@@ -12,8 +12,9 @@ use crate::estimate::problem::influence::Acting;
 use crate::estimate::problem::weave::{Weave, WovenArc, WovenHand, WovenSample};
 use crate::estimate::problem::{Arc, INFORMED_MIN, Problem, Shows, View};
 use crate::estimate::unknowns::point::Point;
-use crate::estimate::wander::kink::{APART_S, kink_s};
+use crate::estimate::wander::kink::{APART_S, Rounding, is_near_kinks, kink_s};
 use crate::estimate::wander::{Filter, Process};
+use crate::physics::flow;
 
 /// What is left of an influence that is forgotten.
 const FORGOTTEN: f64 = 1e-9;
@@ -21,7 +22,7 @@ const FORGOTTEN: f64 = 1e-9;
 impl Problem {
     /// The same problem where samples err in time; those near impacts of a motion are left out. The tempo's prior is that of
     /// the hand itself. Trackers on one body are in one hand.
-    pub fn woven(&self, processes: [Process; 2], at: &Point) -> Self {
+    pub fn woven(&self, processes: [Process; 2], at: &Point, epochs_s: &[f64]) -> Self {
         let mut hands: Vec<WovenHand> = Vec::new();
         for (index, arc) in self.arcs.iter().enumerate() {
             let counted_s = self.counted_s(arc, &at.event_times_s);
@@ -76,9 +77,11 @@ impl Problem {
                 };
                 let mut counted: Vec<WovenSample> = samples.clone().filter(is_counted).collect();
                 // Where there are few, a kink is no worse than nothing.
-                if counted.len() < INFORMED_MIN {
+                let are_few = counted.len() < INFORMED_MIN;
+                if are_few {
                     counted = samples.collect();
                 }
+                let is_near = are_few || is_near_kinks(length_s(arc, &at.event_times_s));
                 let mut last_s = f64::NEG_INFINITY;
                 counted.retain(|of| {
                     let is_next = of.acted_s >= last_s + APART_S;
@@ -87,6 +90,10 @@ impl Problem {
                     }
                     is_next
                 });
+                // In an unknown tempo, flights would become short to lie where samples tell little.
+                if is_near && !self.times_are_unknown() {
+                    self.round_kinks(&mut counted, index, of, at, epochs_s);
+                }
                 woven.samples.extend(counted);
             }
         }
@@ -175,11 +182,7 @@ impl Problem {
     fn counted_s(&self, arc: &Arc, event_times_s: &[f64]) -> [f64; 2] {
         let time_s = |event: Option<usize>| event.map(|event| event_times_s[event]);
         let (start_s, end_s) = (time_s(arc.start), time_s(arc.end));
-        let length_s = match (start_s, end_s) {
-            (Some(start_s), Some(end_s)) => end_s - start_s,
-            _ => f64::INFINITY,
-        };
-        let kink_s = kink_s(length_s);
+        let kink_s = kink_s(length_s(arc, event_times_s));
         let is_kink = |event: Option<usize>| {
             let mut collisions = self.collisions.iter();
             event.is_some() && collisions.any(|of| Some(of.event) == event)
@@ -192,12 +195,80 @@ impl Problem {
         ]
     }
 
+    /// Adds how a hand rounds the kinks at the ends of a flight to the noise of samples of one of its views.
+    fn round_kinks(
+        &self,
+        samples: &mut [WovenSample],
+        index: usize,
+        view: &View,
+        at: &Point,
+        epochs_s: &[f64],
+    ) {
+        let [Some(first), Some(last)] = [samples.first(), samples.last()] else {
+            return;
+        };
+        let intervals = samples.len().saturating_sub(1).max(1) as f64;
+        let rounding = Rounding::new((last.acted_s - first.acted_s) / intervals);
+        for kink in self.kinks(index, at, epochs_s) {
+            for sample in &mut *samples {
+                for kind in (0..2).filter(|kind| view.kinds()[*kind]) {
+                    let jump_per_s = kink.jumps[kind] / view.units[kind];
+                    let since_s = sample.acted_s - kink.time_s;
+                    sample.noise_variances[kind] += rounding.variance(since_s, jump_per_s);
+                }
+            }
+        }
+    }
+
+    /// Impacts at the ends of a flight.
+    fn kinks(&self, index: usize, at: &Point, epochs_s: &[f64]) -> Vec<NearKink> {
+        let gravity_m_s2 = self.gravity(&at.parameters);
+        let velocities = |arc: usize, time_s: f64| {
+            let body = &self.bodies[self.arcs[arc].mechanism];
+            let state = flow::advance(body, &gravity_m_s2, &at.arcs[arc], time_s - epochs_s[arc]);
+            let spin_rad_s = state.orientation * state.angular_velocity_rad_s;
+            [state.velocity_m_s, spin_rad_s]
+        };
+        let sides = self.collisions.iter().flat_map(|of| {
+            let sides = of.sides.iter();
+            sides.map(move |pair| (at.event_times_s[of.event], pair))
+        });
+        let own = sides.filter(|(_, pair)| pair.before == index || pair.after == index);
+        let kinks = own.map(|(time_s, pair)| {
+            let (before, after) = (
+                velocities(pair.before, time_s),
+                velocities(pair.after, time_s),
+            );
+            NearKink {
+                time_s,
+                jumps: [0, 1].map(|kind| (after[kind] - before[kind]).norm()),
+            }
+        });
+        kinks.collect()
+    }
+
     /// Parameters that act on a flight, with free gravity where it is a plain parabola, too.
     fn acting_on(&self, arc: &Arc) -> Vec<Acting> {
         if !arc.acting.is_empty() {
             return arc.acting.clone();
         }
         gravity(&self.gravity_parameters).collect()
+    }
+}
+
+/// An impact near which samples of a flight count.
+struct NearKink {
+    /// \[s\].
+    time_s: f64,
+    /// By how much velocity [m/s] and spin [rad/s] jump.
+    jumps: [f64; 2],
+}
+
+/// How long a flight between two events is \[s\]; infinite where it is between none.
+fn length_s(arc: &Arc, event_times_s: &[f64]) -> f64 {
+    match (arc.start, arc.end) {
+        (Some(start), Some(end)) => event_times_s[end] - event_times_s[start],
+        _ => f64::INFINITY,
     }
 }
 

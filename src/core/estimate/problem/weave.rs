@@ -57,7 +57,7 @@ pub struct WovenSample {
     pub sample: usize,
     /// When it was taken \[s, acted\].
     pub acted_s: f64,
-    /// Variance of its noise as its message says, of positions and of orientations, in units of residuals.
+    /// Variance of its noise as its message says, and as a hand rounds a kink that is near, of positions and of orientations, in units of residuals.
     pub noise_variances: [f64; 2],
     /// How it becomes independent of those before it, of positions and of orientations where it shows them.
     pub gains: [Option<Gain>; 2],

@@ -40,7 +40,10 @@ impl Solved {
         // Which error of one tracker goes with which of another depends on how late a clock is.
         let mut roles = problem.roles.iter();
         let is_late = roles.any(|role| matches!(role.influence, Influence::ClockOffset));
-        let is_in_time = scene.timing != Timing::Edited && !problem.keeps_starts && !is_late;
+        // Distances that are kept end at the nodes of this problem.
+        let keeps_nodes = problem.times_are_unknown() && !problem.clearances.is_empty();
+        let may_wander = scene.timing != Timing::Edited && !problem.keeps_starts;
+        let is_in_time = may_wander && !is_late && !keeps_nodes;
         let may_be_motion =
             scene.velocity_gaps != VelocityGaps::Always && !problem.is_overconstrained();
         if !is_in_time || !may_be_motion || !self.is_of_hand(scene.performer) {
@@ -85,9 +88,8 @@ impl Solved {
             Performer::Hand => true,
             Performer::Nobody => false,
             Performer::Unsaid => {
-                let Solution { point, system, .. } = &self.solution;
                 self.posed.problem.times_are_unknown()
-                    || adequacy::show_hand(&self.context(), point, system)
+                    || adequacy::show_hand(&self.context(), &self.solution)
             }
         }
     }
@@ -123,7 +125,7 @@ fn refined(
             .as_ref()
             .map_or(&start.point, |(_, solution)| &solution.point);
         let exact = posed.problem.without_velocity_gaps();
-        let woven = Posed::new(exact.woven(errors.processes, from));
+        let woven = Posed::new(exact.woven(errors.processes, from, epochs_s));
         let recipe = match is_motion || best.is_some() {
             true => Recipe::default().from_the_last(),
             false => Recipe::default().without_sweep(),
@@ -166,7 +168,11 @@ fn refined(
 /// directions to tell.
 fn likely_at_start(posed: &Posed, start: &Solution, epochs_s: &[f64]) -> Option<LikelyErrors> {
     let expected = LikelyErrors::of([Process::EXPECTED; 2]);
-    let woven = Posed::new(posed.problem.woven(expected.processes, &start.point));
+    let woven = Posed::new(
+        posed
+            .problem
+            .woven(expected.processes, &start.point, epochs_s),
+    );
     let context = woven.context(epochs_s.to_vec(), &start.point);
     let system = context.evaluated(&Guidance::none(), &start.point);
     if is_too_free(&context, &system) {

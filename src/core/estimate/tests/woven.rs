@@ -37,7 +37,7 @@ const PROCESSES: [Process; 2] = [
 pub(in crate::estimate) fn each_woven(check: impl Fn(&SolveContext, &Point, &[f64])) {
     each_case(1.0, |context, _, point, lengths| {
         let problem: &Problem = context.problem;
-        let woven = problem.woven(PROCESSES, point);
+        let woven = problem.woven(PROCESSES, point, &context.epochs_s);
         let layout = Layout::new(&woven);
         let context = SolveContext::new(&woven, &layout, context.epochs_s.clone(), point);
         check(&context, point, lengths);
