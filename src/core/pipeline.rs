@@ -7,6 +7,7 @@
 //! performance are tried as remedies (`diagnose`).
 
 mod diagnose;
+mod ended;
 mod follow;
 mod free;
 mod groups;
@@ -25,6 +26,7 @@ mod stages;
 mod warm;
 
 use self::diagnose::diagnose;
+use self::ended::EarlyEnd;
 use self::groups::Groups;
 use self::keep_out::{goes_into_something, kept_out, only_overlaps};
 use self::led::LedByGoals;
@@ -36,8 +38,8 @@ pub use self::search::SearchWork;
 use self::stages::doubts;
 use crate::estimate::{LastState, Solved};
 use crate::motion::{
-    Counted, Diagnosis, Doubt, End, EventKind, Mark, Observer, Phase, Scene, Stamp, TakeEvent,
-    TrackIndex, Verdict,
+    Counted, Diagnosis, Doubt, End, EventKind, Fits, Mark, Observer, Phase, Scene, Stamp,
+    TakeEvent, TrackIndex, Verdict,
 };
 use crate::segment;
 use crate::verify::verify_until;
@@ -53,6 +55,8 @@ pub struct Pipeline {
     is_predicting: bool,
     /// See [`Pipeline::with_diagnoses`].
     is_diagnosing: bool,
+    /// Whether the motion may end before the mark of its end, where it touches something.
+    may_end_early: bool,
 }
 
 /// A checked motion, before it goes on until it rests.
@@ -78,6 +82,7 @@ impl Pipeline {
             is_free_auto: false,
             is_predicting: false,
             is_diagnosing: true,
+            may_end_early: true,
         }
     }
 
@@ -273,13 +278,18 @@ impl Pipeline {
             outcome.end_where_it_touches();
         }
         checked(&mut outcome, led, Vec::new(), observer);
+        if may_keep_out && let Some(ended) = self.ended_early(scene, &outcome, observer) {
+            return Ok(ended);
+        }
         let overlapping = overlapping.filter(|_| only_overlaps(&outcome));
         if let Some(mut kept) = overlapping.and_then(|of| kept_out(of, observer)) {
+            kept.refine_again(observer);
             led = self.judged(&mut kept, observer)?;
             let passed = kept.inferred.solved.just_passed(scene.tolerance_m);
             let mut other = kept.outcome(observer);
             checked(&mut other, led, passed, observer);
-            if !goes_into_something(&other) {
+            let still_fits = other.estimate.fits() != Fits::No;
+            if still_fits && !goes_into_something(&other) {
                 outcome = other;
             }
         }
@@ -294,6 +304,32 @@ impl Pipeline {
             known,
             sought,
         })
+    }
+
+    /// The motion that ends where it touches something, if the mark of its end is later and that leads it into nothing.
+    fn ended_early(
+        &self,
+        scene: &Scene,
+        outcome: &Outcome,
+        observer: &mut dyn Observer,
+    ) -> Option<Finished> {
+        let checked = outcome.verification.as_ref();
+        let overlaps = checked.is_some_and(|of| of.deepest.is_some());
+        let early = EarlyEnd::of(outcome).filter(|_| self.may_end_early && overlaps)?;
+        let take = Self {
+            scene: self.scene.clone(),
+            events: early.marked(outcome, &self.events)?,
+            may_end_early: false,
+            ..*self
+        };
+        let mut ended = take.finished(scene, observer).ok()?;
+        if goes_into_something(&ended.outcome) {
+            return None;
+        }
+        early.tell(&mut ended.outcome);
+        let counters = &mut ended.outcome.estimate.counters;
+        counters.add(&outcome.estimate.counters);
+        Some(ended)
     }
 
     /// Looks whether a motion explains the performance, and whether it is its goals that lead it away.

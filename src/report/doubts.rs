@@ -92,6 +92,11 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
                 value * 1e3
             )
         }
+        About::EndTouches => format!(
+            "the motion ends at {subject}, {:.0} ms before its mark: there it touches something of which no event tells. \
+             Where it went on, a collision is missing",
+            value * 1e3
+        ),
         About::Rest => not_at_rest_so(scene, doubt, &subject),
         About::Steps => format!(
             "integrated with steps of half the length {subject} is {:.3} mm elsewhere, expected at most {:.3} mm",

@@ -1,11 +1,12 @@
 //! What `enact report` writes: a page that is complete in itself and says what the estimate says, and pictures that
 //! are true.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use enact::motion::Stamp;
+use enact::motion::{About, Stamp};
 use enact::wire::{Container, PoseFormat};
 use enact_tools::perform::held::{Game, Seen, play};
 use enact_tools::perform::recording::write_events_of;
@@ -658,4 +659,17 @@ fn the_picture_of_the_documents_is_what_its_command_makes() {
         drawn(&made) == drawn(&kept),
         "{path} is another; see docs/report.md"
     );
+}
+
+/// The schema names every quantity that may be doubted.
+#[test]
+fn the_schema_knows_every_doubt() {
+    let schema: Value = serde_json::from_str(enact::report::REPORT_SCHEMA).expect("JSON");
+    let named = &schema["properties"]["doubts"]["items"]["properties"]["quantity"]["enum"];
+    let named: BTreeSet<&str> = (named.as_array().expect("names").iter())
+        .filter_map(Value::as_str)
+        .collect();
+    assert_eq!(named, About::ALL.map(About::as_str).into());
+    let places = About::ALL.map(|about| about as usize);
+    assert!(places.into_iter().eq(0..=About::Rest as usize));
 }

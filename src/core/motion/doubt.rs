@@ -25,6 +25,8 @@ pub enum About {
     Overlap,
     /// Depth to which solids would overlap that are kept out of each other, and only just pass.
     KeptOut,
+    /// How long before its mark the motion ends, since there it touches something of which no event tells.
+    EndTouches,
     /// How much nearer another part is than the one that is expected to touch.
     WrongFeature,
     /// Speed of a body's fastest point.
@@ -91,11 +93,49 @@ pub enum About {
 }
 
 impl About {
+    /// All of them, in this order.
+    pub const ALL: [Self; 33] = [
+        Self::Overlap,
+        Self::KeptOut,
+        Self::EndTouches,
+        Self::WrongFeature,
+        Self::Speed,
+        Self::Spin,
+        Self::Way,
+        Self::Slowness,
+        Self::Haste,
+        Self::Residual,
+        Self::Orientation,
+        Self::Alone,
+        Self::Misfit,
+        Self::Fall,
+        Self::FallDirection,
+        Self::AfterMark,
+        Self::BeforeMark,
+        Self::Led,
+        Self::Gravity,
+        Self::GravitySpread,
+        Self::Outside,
+        Self::AtBound,
+        Self::Ambiguity,
+        Self::Keyframes,
+        Self::OpenTimes,
+        Self::Rivals,
+        Self::Steps,
+        Self::Gap,
+        Self::Receding,
+        Self::Energy,
+        Self::Pull,
+        Self::Limit,
+        Self::Rest,
+    ];
+
     /// Its name in files and reports.
     pub fn as_str(self) -> &'static str {
         match self {
             About::Overlap => "overlap",
             About::KeptOut => "kept_out",
+            About::EndTouches => "end_touches",
             About::WrongFeature => "wrong_feature",
             About::Speed => "speed",
             About::Spin => "spin",
@@ -138,7 +178,7 @@ impl About {
             About::Speed | About::Receding => "m/s",
             About::Spin => "rad/s",
             About::Orientation | About::FallDirection | About::Rest | About::Limit => "rad",
-            About::AfterMark | About::BeforeMark | About::Outside => "s",
+            About::EndTouches | About::AfterMark | About::BeforeMark | About::Outside => "s",
             About::Way
             | About::Slowness
             | About::Haste
@@ -176,9 +216,12 @@ impl About {
     /// hand moves so.
     pub fn best(self) -> Verdict {
         match self {
-            About::KeptOut | About::Outside | About::AtBound | About::Ambiguity | About::Led => {
-                Verdict::Physical
-            }
+            About::KeptOut
+            | About::EndTouches
+            | About::Outside
+            | About::AtBound
+            | About::Ambiguity
+            | About::Led => Verdict::Physical,
             About::Overlap
             | About::WrongFeature
             | About::Residual

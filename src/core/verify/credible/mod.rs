@@ -44,3 +44,4 @@ mod outside;
 mod parameters;
 
 pub use doubts::doubts;
+pub use marks::from_mark_s;
