@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::certainty::{FlightCertainty, StateDeviation};
 use super::contact_rival::ContactRival;
-use super::doubt::Doubt;
+use super::doubt::{About, Doubt};
 use super::fit::{Fit, FitUntold, Fits};
 use super::held::HeldEstimate;
 use super::index::{LinkIndex, MechanismIndex, TrackIndex};
@@ -294,9 +294,11 @@ impl Estimate {
     }
 
     /// Whether the motion explains its performance: one that failed, or is doubted for its distance from the samples,
-    /// does not. Unknown where nothing tells.
+    /// does not. Unknown where nothing tells. How far goals lead it from them does not count.
     pub fn fits(&self) -> Fits {
-        let is_far = self.doubts.iter().any(|doubt| doubt.about.is_distance());
+        let mut abouts = self.doubts.iter().map(|doubt| doubt.about);
+        let is_led = abouts.clone().any(|about| about == About::Led);
+        let is_far = abouts.any(|of| of.is_distance() && !(is_led && of == About::Ambiguity));
         if self.verdict == Verdict::Failed || is_far {
             return Fits::No;
         }

@@ -59,8 +59,13 @@ impl LedByGoals {
             false => of.objective.sqrt(),
         };
         let ratio = cost(estimate) / cost(&without).max(f64::MIN_POSITIVE);
-        let doubt = Doubt::beyond(About::Led, place, ratio, FARTHER);
-        Ok(doubt.map(|doubt| Self {
+        let doubt = Doubt {
+            about: About::Led,
+            place,
+            value: ratio,
+            bound: FARTHER,
+        };
+        Ok(Some(Self {
             suspects: without.suspects,
             doubt,
         }))
@@ -90,9 +95,10 @@ impl LedByGoals {
 /// Whether a motion is known to differ from its performance: it does not fit, or a doubt says so.
 fn is_known_to_differ(performed: &Performed) -> bool {
     let estimate = &performed.inferred.solved.estimate;
+    let is_doubted = |doubt: &Doubt| doubt.about == About::Ambiguity || is_of_agreement(doubt);
     estimate.verdict == Verdict::Failed
         || estimate.fit.as_ref().is_ok_and(|fit| fit.fits == Fits::No)
-        || performed.doubts().iter().any(is_of_agreement)
+        || performed.doubts().iter().any(is_doubted)
 }
 
 /// Whether a doubt is about how a motion agrees with its samples and marks, where a goal may be the reason. How far it is from
