@@ -64,6 +64,7 @@ fn cause(remedy: &Remedy) -> &'static str {
         Remedy::GoalQuaternions(_) => "goal_quaternion",
         Remedy::Surface { .. } => "surface_height",
         Remedy::Origin { .. } => "origin",
+        Remedy::MissedCollision { .. } => "missed_collision",
         Remedy::FreeLabels { .. } => "goal_labels",
     }
 }
@@ -91,6 +92,7 @@ fn key(remedy: &Remedy, source: SampleSource) -> &'static str {
         Remedy::StreamQuaternions(_) => "stream.orientation",
         Remedy::GoalQuaternions(_) => "goal.orientation_wxyz",
         Remedy::Surface { .. } | Remedy::Origin { .. } => "surface.point_mm",
+        Remedy::MissedCollision { .. } => "event",
         Remedy::FreeLabels { .. } => "goal.labels",
     }
 }
@@ -131,6 +133,10 @@ fn value(scene: &Scene, remedy: &Remedy) -> String {
             QuaternionSlip::ScalarFirst | QuaternionSlip::ScalarLast => "[w, x, y, z]".to_owned(),
         },
         Remedy::Surface { point_m, .. } => tenths(&(point_m * 1e3)),
+        Remedy::MissedCollision { link, surface, .. } => format!(
+            "{{ kind = \"collision\", body = {:?}, surface = {:?}, … }}",
+            scene.links[*link].name, scene.surfaces[*surface].name
+        ),
         Remedy::FreeLabels { .. } => "\"free\"".to_owned(),
         Remedy::Origin { higher_m } => format!("+ {}", tenths(&(higher_m * 1e3))),
     }
@@ -258,6 +264,16 @@ fn advice(scene: &Scene, of: &Diagnosis, value: &str) -> String {
                 "the bounces are {height_mm:.0} mm {side} `{name}`: set `surface.point_mm = {value}` there"
             )
         }
+        Remedy::MissedCollision {
+            link,
+            surface,
+            acted_s,
+            ..
+        } => format!(
+            "`{}` hits `{}` at {acted_s:.3} s of the recording, of which no event tells: add `[[event]]` with {value}, and a \
+             mark there",
+            scene.links[*link].name, scene.surfaces[*surface].name
+        ),
         Remedy::FreeLabels { goal } => {
             let goal = &scene.rest_goals[*goal];
             format!(

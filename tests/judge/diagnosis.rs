@@ -21,11 +21,13 @@ const ENACT: Program = Program(env!("CARGO_BIN_EXE_enact"));
 enum Motion {
     /// A cube that bounces once.
     Cube,
+    /// A cube that bounces twice, of which the scene knows once.
+    CubeTwice,
     /// A pencil that bounces and lands in a mug.
     Pencil,
 }
 
-use Motion::{Cube, Pencil};
+use Motion::{Cube, CubeTwice, Pencil};
 
 /// A mistake, and what is said of it.
 struct Row {
@@ -183,6 +185,10 @@ fn rows() -> Vec<Row> {
             &[(LANDED, "orientation_wxyz = [0.016, 0.032, 0.328, 0.944]")],
             "[w, x, y, z]",
         ),
+        Row::new("missed_collision", "event", CubeTwice, true)
+            .slip(Slip::Unmarked, "surface = \"table\""),
+        Row::new("missed_collision", "event", CubeTwice, false)
+            .slip(Slip::Unmarked, "surface = \"table\""),
         Row::new("surface_height", "surface.point_mm", Cube, true)
             .edits(&[(LEVEL, "point_mm = [0, 0, -730]")], ""),
         Row::new("surface_height", "surface.point_mm", Cube, false)
@@ -202,6 +208,13 @@ fn performance(row: &Row) -> (Performance, String) {
             let mount = &mut truth.scene.tracks[TrackIndex(0)].link_from_tracker;
             mount.rotation = UnitQuaternion::new_unchecked(Quaternion::new(0.8, 0.6, 0.0, 0.0));
             let toml = bounces::scene_toml(&truth.scene);
+            (truth, toml)
+        }
+        CubeTwice => {
+            let truth = bounces(2, 7).expect("a motion");
+            let mut scene = truth.scene.clone();
+            scene.events.remove(1);
+            let toml = bounces::scene_toml(&scene);
             (truth, toml)
         }
         Pencil => (Style::Tip.truth(), Style::Tip.scene_toml().to_owned()),

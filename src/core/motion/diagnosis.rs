@@ -2,8 +2,8 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::index::TrackIndex;
-use super::take::SampleSource;
+use super::index::{LinkIndex, TrackIndex};
+use super::take::{SampleSource, Stamp};
 use crate::math::Pose;
 
 /// A likely mistake: with its remedy the performance has a motion that fits, without it none that
@@ -87,6 +87,19 @@ pub enum Remedy {
         /// The point of the plane, moved so [m, world].
         point_m: Vector3<f64>,
     },
+    /// A body hits a surface of which no event tells.
+    MissedCollision {
+        /// Where its event comes in `Scene::events`.
+        index: usize,
+        /// What hits.
+        link: LinkIndex,
+        /// What is hit (index into `Scene::surfaces`).
+        surface: usize,
+        /// When, on the clock of the samples.
+        stamp: Stamp,
+        /// When, in acted time \[s\].
+        acted_s: f64,
+    },
     /// The labels of a body's faces may be turned: then it rests as asked.
     FreeLabels {
         /// Index into `Scene::rest_goals`.
@@ -161,7 +174,10 @@ impl Remedy {
                 3 * (usize::from(slip.is_turned()) + usize::from(slip.is_fitted()))
             }
             Remedy::Origin { .. } => 3,
-            Remedy::Surface { .. } | Remedy::Tempo { .. } | Remedy::FrameNumbers { .. } => 1,
+            Remedy::Surface { .. }
+            | Remedy::Tempo { .. }
+            | Remedy::FrameNumbers { .. }
+            | Remedy::MissedCollision { .. } => 1,
             _ => 0,
         }
     }

@@ -172,20 +172,31 @@ impl Scene {
             time: self.events[event].time,
         });
         scene.events.splice(event..=event, copies);
-        let place = |other: usize| {
+        scene.place_events(|other| {
             if other > event {
                 other + count - 1
             } else {
                 other
             }
-        };
-        for goal in &mut scene.goals {
+        });
+        scene
+    }
+
+    /// The same with one more event, at an index of `Scene::events`.
+    pub fn with_event(mut self, index: usize, event: Event) -> Scene {
+        self.events.insert(index, event);
+        self.place_events(|other| other + usize::from(other >= index));
+        self
+    }
+
+    /// Follows events that moved to other indices.
+    fn place_events(&mut self, place: impl Fn(usize) -> usize + Copy) {
+        for goal in &mut self.goals {
             goal.place_events(place);
         }
-        for free in &mut scene.parameters {
+        for free in &mut self.parameters {
             free.quantity = free.quantity.at_event(place);
         }
-        scene
     }
 }
 

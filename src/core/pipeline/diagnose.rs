@@ -10,6 +10,7 @@ mod budget;
 mod facts;
 mod fall;
 mod frames;
+mod missed;
 pub(super) mod motion;
 mod mount;
 mod quaternions;
@@ -208,6 +209,7 @@ fn remedies(facts: &Facts) -> Vec<Remedy> {
         remedies.extend(times::remedies(facts, fall));
     }
     remedies.extend(units::of_scenes(facts));
+    remedies.extend(missed::remedies(facts));
     remedies.extend(world::remedies(facts));
     remedies.extend(quaternions::remedies(facts));
     remedies.extend(mount::remedies(facts));

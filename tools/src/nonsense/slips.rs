@@ -2,7 +2,7 @@
 
 use enact::motion::{
     Collision, Goal, GoalTarget, LengthUnit, MountSlip, Partner, QuaternionSlip, Remedy, Scene,
-    TakeEvent, Timing, TrackIndex,
+    Stamp, TakeEvent, Timing, TrackIndex,
 };
 use enact::physics::{Body, Shape, contact};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -46,6 +46,8 @@ pub enum Slip {
     Frames(f64),
     /// The scene's lengths are in another unit.
     Lengths(LengthUnit),
+    /// The second collision with a table is neither in the scene nor marked.
+    Unmarked,
 }
 
 /// All, each in a few sizes.
@@ -77,6 +79,7 @@ pub const ALL: &[Slip] = &[
     Slip::Frames(120.0),
     Slip::Lengths(LengthUnit::Metre),
     Slip::Lengths(LengthUnit::Inch),
+    Slip::Unmarked,
 ];
 
 impl Slip {
@@ -99,6 +102,7 @@ impl Slip {
             Slip::Stamps(factor) => format!("stamps × {factor}"),
             Slip::Frames(rate_hz) => format!("frame numbers at {rate_hz} Hz"),
             Slip::Lengths(unit) => format!("scene in {unit:?}"),
+            Slip::Unmarked => "second collision forgotten".into(),
         }
     }
 
@@ -128,6 +132,7 @@ impl Slip {
             | (Slip::Lengths(a), Remedy::SceneUnit(b)) => a == *b,
             (Slip::Stamps(a), Remedy::StampUnit { factor }) => (a / factor - 1.0).abs() < 1e-9,
             (Slip::Frames(_), Remedy::FrameNumbers { .. }) => true,
+            (Slip::Unmarked, Remedy::MissedCollision { index, .. }) => *index == 1,
             _ => false,
         }
     }
@@ -146,6 +151,7 @@ impl Slip {
             }),
             // Acted times have no unit of their own.
             Slip::Slow(_) => asked.scene.timing == Timing::Known,
+            Slip::Unmarked => forgettable(&asked.scene),
             _ => true,
         };
         if !is_there {
@@ -201,9 +207,27 @@ impl Slip {
             Slip::Stamps(factor) => stretch(&mut asked.events, factor),
             Slip::Frames(rate_hz) => numbered(&mut asked.events, rate_hz),
             Slip::Lengths(unit) => *scene = shrunk(scene, 1e-3 / unit.length_m())?,
+            Slip::Unmarked => {
+                scene.events.remove(1);
+                let marks = asked.events.iter().filter_map(TakeEvent::mark);
+                let mut stamps: Vec<Stamp> = marks.map(|mark| mark.stamp).collect();
+                stamps.sort_unstable();
+                let second = stamps[1];
+                let is_second = |event: &TakeEvent| event.mark().is_some_and(|m| m.stamp == second);
+                asked.events.retain(|event| !is_second(event));
+            }
         }
         Some(asked)
     }
+}
+
+/// Whether the first two events are collisions with a table, and nothing is asked at events.
+fn forgettable(scene: &Scene) -> bool {
+    let collisions = scene.events.iter().map(|event| event.kind.collision());
+    let mut first = collisions.take(2);
+    scene.goals.is_empty()
+        && scene.events.len() > 2
+        && first.all(|of| of.is_some_and(|of| is_on_table(scene, of)))
 }
 
 /// Whether a body hits a level plane.

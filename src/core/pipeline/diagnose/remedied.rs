@@ -2,16 +2,19 @@
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
+use super::missed::collision;
 use crate::math::Pose;
 use crate::motion::{
-    GoalQuantity, GoalTarget, LengthUnit, PoseSample, QuaternionSlip, Remedy, Scene, SignedAxis,
-    Stamp, TakeEvent, Timing,
+    Event, EventKind, GoalQuantity, GoalTarget, LengthUnit, Mark, PoseSample, QuaternionSlip,
+    Remedy, Scene, SignedAxis, Stamp, TakeEvent, Timing,
 };
 use crate::physics::shape::{Compound, Part};
 use crate::physics::{Body, Shape, contact};
 
 /// Strength of tempo changes where a scene has none: the default of scene files [1/√s].
 const TEMPO_SD_PER_SQRT_S: f64 = 0.5;
+/// Name of an event that is missed.
+const MISSED: &str = "missed collision";
 /// Millimetres are what a scene's lengths are given in \[m\].
 const SCENE_UNIT_M: f64 = 1e-3;
 
@@ -79,6 +82,23 @@ pub(super) fn remedied(
             snapped(&mut scene)?;
         }
         Remedy::Origin { higher_m } => each_sample(&mut events, |s| s.position_m -= higher_m),
+        Remedy::MissedCollision {
+            index,
+            link,
+            surface,
+            stamp,
+            ..
+        } => {
+            let marks: Vec<&Mark> = events.iter().filter_map(TakeEvent::mark).collect();
+            let is_named = marks.iter().any(|mark| mark.event.is_some());
+            scene = scene.with_marks(marks.len());
+            let kind = EventKind::Collision(collision(&scene, *link, Some(*surface))?);
+            scene = scene.with_event(*index, Event::new(MISSED, kind));
+            events.push(TakeEvent::Mark(Mark {
+                stamp: *stamp,
+                event: is_named.then(|| MISSED.to_owned()),
+            }));
+        }
     }
     Some((scene, events))
 }

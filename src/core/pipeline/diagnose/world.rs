@@ -129,7 +129,11 @@ fn at_bounce(
 }
 
 /// The nearest plane with the height of the nearest part over it.
-fn over_planes(scene: &Scene, collision: &Collision, pose: &Pose) -> Option<(usize, f64)> {
+pub(super) fn over_planes(
+    scene: &Scene,
+    collision: &Collision,
+    pose: &Pose,
+) -> Option<(usize, f64)> {
     let features = &scene.links[collision.link].features;
     let heights = collision.contacts.iter().flat_map(|touching| {
         let surfaces = match touching.other {
