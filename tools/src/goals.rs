@@ -7,17 +7,19 @@
 use enact::estimate::outcome::PHYSICAL;
 use enact::motion::{
     Axes, BodyPoint, Condition, Estimate, EventKind, Goal, GoalQuantity, GoalSet, GoalTarget,
-    LinkIndex, Moment, Scene,
+    LinkIndex, Moment, Performer, Scene,
 };
 use enact::physics::state::{StateTangent, part};
 use enact::physics::{State, contact};
+use enact::verify::overlaps;
 use nalgebra::Vector3;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use crate::case::Case;
 use crate::perform::bounces::{Polyhedron, Throw, thrown};
-use crate::perform::{Style, Truth, bounces, hat_box, simulate};
+use crate::perform::{Acting, Style, Truth, bounces, hat_box, simulate};
 
 /// What a goal is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,6 +136,8 @@ pub struct Pair {
 
 /// Relative standard deviation of the neighbour's first velocities, and that of its orientation \[rad\].
 const APART: f64 = 0.03;
+/// How long before the end that a motion is made with it ends \[s\].
+const EARLIER_S: f64 = 0.03;
 /// Draws of a neighbour before giving up.
 const TRIES: usize = 60;
 /// Share of the distance between both motions' values that a tight set reaches, and a wide one.
@@ -144,11 +148,11 @@ impl Pair {
     /// A pencil, a box, a die or a cube in turn; `None` where no neighbour touches with the same corners.
     pub fn of_one(seed: u64) -> Option<Self> {
         let mut truth = match seed % 5 {
-            0 => Style::Tip.truth(),
+            0 => before_it_lands(&Style::Tip.truth())?,
             1 => bounces(1, seed).ok()?,
             2 => thrown(Polyhedron::Cube, &Throw::DIE, 1, seed).ok()?,
             3 => thrown(Polyhedron::Cube, &Throw::sized(0.05, 40.0), 2, seed).ok()?,
-            _ => Style::Eraser.truth(),
+            _ => before_it_lands(&Style::Eraser.truth())?,
         };
         truth.scene.goals.clear();
         Self::of(truth, seed, APART)
@@ -156,7 +160,7 @@ impl Pair {
 
     /// A hat and a box that bounce off the board and meet.
     pub fn of_two(seed: u64) -> Option<Self> {
-        let mut truth = hat_box::truth();
+        let mut truth = before_it_lands(&hat_box::truth())?;
         truth.scene.goals.clear();
         // Both begin where they must to meet: the neighbour is nearer.
         Self::of(truth, seed, 0.03 * APART)
@@ -170,6 +174,7 @@ impl Pair {
             let found = simulate(&truth.scene, &truth.parameters, &first, truth.duration_s);
             if let Ok(neighbour) = found
                 && is_right(&neighbour)
+                && keeps_out(&neighbour)
             {
                 return Some(Self {
                     truth,
@@ -423,4 +428,30 @@ fn is_right(truth: &Truth) -> bool {
             heights.all(|height_m| height_m > -1e-4)
         })
     })
+}
+
+/// The motion until shortly before its end: what ends where it lands has neighbours that are inside by then.
+fn before_it_lands(truth: &Truth) -> Option<Truth> {
+    let ends_s = truth.duration_s - EARLIER_S;
+    simulate(
+        &truth.scene,
+        &truth.parameters,
+        &first_states(truth),
+        ends_s,
+    )
+    .ok()
+}
+
+/// Whether a motion goes into nothing on its way: told of a performance without errors.
+fn keeps_out(truth: &Truth) -> bool {
+    let mut truth = truth.clone();
+    truth.scene.performer = Performer::Nobody;
+    let exact = Acting {
+        distortion: 0.0,
+        mark_error_s: 0.0,
+        stamp_jitter_s: 0.0,
+        ..Acting::timing_known()
+    };
+    let solved = Case::new(&truth, &exact, 0).estimated(&mut ());
+    solved.is_ok_and(|of| overlaps(&of.scene, &of.estimate, &mut ()).is_empty())
 }
