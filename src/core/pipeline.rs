@@ -313,9 +313,8 @@ impl Pipeline {
         outcome: &Outcome,
         observer: &mut dyn Observer,
     ) -> Option<Finished> {
-        let checked = outcome.verification.as_ref();
-        let overlaps = checked.is_some_and(|of| of.deepest.is_some());
-        let early = EarlyEnd::of(outcome).filter(|_| self.may_end_early && overlaps)?;
+        let overlaps = outcome.verification.as_ref()?.deepest.is_some();
+        let early = (self.may_end_early && overlaps).then(|| EarlyEnd::of(outcome))??;
         let take = Self {
             scene: self.scene.clone(),
             events: early.marked(outcome, &self.events)?,

@@ -207,8 +207,12 @@ impl Problem {
         let [Some(first), Some(last)] = [samples.first(), samples.last()] else {
             return;
         };
-        let intervals = samples.len().saturating_sub(1).max(1) as f64;
-        let rounding = Rounding::new((last.acted_s - first.acted_s) / intervals);
+        // One sample has no other like it.
+        let apart_s = match samples.len() {
+            1 => f64::INFINITY,
+            count => (last.acted_s - first.acted_s) / (count - 1) as f64,
+        };
+        let rounding = Rounding::new(apart_s);
         for kink in self.kinks(index, at, epochs_s) {
             for sample in &mut *samples {
                 for kind in (0..2).filter(|kind| view.kinds()[*kind]) {
