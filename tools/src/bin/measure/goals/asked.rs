@@ -1,6 +1,6 @@
 //! What becomes of a goal that a motion near the performed one meets.
 
-use enact::motion::{Goal, GoalTarget, Observer, Phase, Verdict};
+use enact::motion::{Goal, GoalTarget, Verdict};
 use enact::pipeline::{Outcome, PipelineError};
 use enact::report::reason_text;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -73,24 +73,9 @@ fn asked_once(seed: u64, acting: &Acting, whats: &[What]) -> Vec<Option<Asked>> 
     found
 }
 
-/// Wants the estimate with its checks and no more: what in the scene might be wrong is not asked.
-#[derive(Default)]
-struct Checked {
-    is_solved: bool,
-}
-
-impl Observer for Checked {
-    fn phase(&mut self, phase: Phase) {
-        self.is_solved |= phase == Phase::Covariance;
-    }
-
-    fn should_stop(&mut self) -> bool {
-        self.is_solved
-    }
-}
-
+/// The estimate with its checks and no more: what in the scene might be wrong is not asked.
 fn checked(case: &Case) -> Result<Outcome, PipelineError> {
-    case.pipeline().finish(&mut Checked::default())
+    case.pipeline().with_diagnoses(false).finish(&mut ())
 }
 
 /// `None` where there is no such goal or no motion without it.
