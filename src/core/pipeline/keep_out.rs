@@ -24,7 +24,7 @@ const FARTHER: f64 = 1.2;
 const HOPELESS: f64 = 10.0;
 /// Where errors of a hand are told, greatest difference of the two where one distance holds the motion, and how much greater
 /// it may be for each more, in the variance of a residual: the truth keeps out too, so that it is greater once in a thousand
-/// times by chance (χ² of as many numbers as there are distances).
+/// times by chance (χ² of as many numbers as there are distances; those of corners at one place count once).
 const DIFFERENCE: [f64; 2] = [10.8, 3.0];
 
 /// Whether nothing speaks against a motion but that solids are in each other, or that another part touches first. What does

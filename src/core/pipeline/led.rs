@@ -9,7 +9,8 @@ use super::outcome::PipelineError;
 use super::perform::{Performed, Prepared};
 use crate::motion::{About, Doubt, Estimate, Fits, Observer, Place, Suspect, TakeEvent, Verdict};
 
-/// Greatest ratio of the distances from the samples with goals and without that is no other motion.
+/// Ratio of the distances from the samples with goals and without, beyond which goals plainly ask for another motion. It is
+/// told, and decides nothing.
 const FARTHER: f64 = 1.5;
 
 /// By how much goals lead a motion away from its performance.

@@ -62,7 +62,7 @@ impl Performed {
         solved.refine(performance, observer);
     }
 
-    /// The same of a motion that changed since, if samples did not show a hand before.
+    /// Goes on so from a motion that was led elsewhere, where samples did not show a hand before.
     pub(super) fn refine_again(&mut self, observer: &mut dyn Observer) {
         if !self.inferred.solved.errs_in_time() {
             self.refine(observer);
