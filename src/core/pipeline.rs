@@ -180,7 +180,7 @@ impl Pipeline {
             })
             .collect();
         let ends_s = segment::ends_of_motion_s(scene, &sketch);
-        let at = |acted_s: f64| Stamp(sketch.origin.0 + (acted_s * 1e9).round() as i64);
+        let at = |acted_s: f64| sketch.origin.after(acted_s);
         for (index, event) in scene.events.iter().enumerate() {
             let stamp = match event.kind {
                 EventKind::Start => ends_s.map(|[start_s, _]| at(start_s)),

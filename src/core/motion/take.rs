@@ -12,6 +12,11 @@ impl Stamp {
     pub fn seconds_since(self, origin: Stamp) -> f64 {
         (self.0 - origin.0) as f64 * 1e-9
     }
+
+    /// The stamp so long after this one \[s\], to the nearest nanosecond.
+    pub fn after(self, time_s: f64) -> Self {
+        Self(self.0 + (1e9 * time_s).round() as i64)
+    }
 }
 
 /// One reading of one tracker.

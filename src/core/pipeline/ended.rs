@@ -6,7 +6,7 @@
 use super::outcome::Outcome;
 use crate::motion::{About, Doubt, EventKind, Place, Stamp, TakeEvent, TimeMap, Timing, Verdict};
 use crate::verify::credible::from_mark_s;
-use crate::verify::overlap_begins_s;
+use crate::verify::overlaps_begin_s;
 
 /// An end that is earlier than its mark.
 pub(super) struct EarlyEnd {
@@ -38,15 +38,16 @@ impl EarlyEnd {
             return None;
         }
         let made_s = outcome.marks_made_s[event]?;
-        let begins_s = overlap_begins_s(scene, estimate)?;
-        let touches_s = TimeMap::new(&estimate.sample_times, sketch.origin)?.acted_s(begins_s);
+        let map = TimeMap::new(&estimate.sample_times, sketch.origin)?;
         let [_, earlier_s] = from_mark_s(scene, sketch, event);
-        let is_late = (0.0..=earlier_s).contains(&(made_s - touches_s));
-        is_late.then_some(Self {
+        let begin_s = overlaps_begin_s(scene, estimate).into_iter();
+        let mut touch_s = begin_s.map(|begins_s| map.acted_s(begins_s));
+        let touches_s = touch_s.find(|at_s| (0.0..=earlier_s).contains(&(made_s - at_s)))?;
+        Some(Self {
             event,
             made_s,
             touches_s,
-            stamp: Stamp(sketch.origin.0 + (1e9 * touches_s) as i64),
+            stamp: sketch.origin.after(touches_s),
         })
     }
 

@@ -13,7 +13,7 @@ use crate::motion::{
 };
 use crate::segment::SegmentError;
 use crate::settle::settle_until;
-use crate::verify::{lies, overlap_begins_s};
+use crate::verify::{lies, overlaps_begin_s};
 
 /// The result of a take.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,9 +117,9 @@ impl Outcome {
     pub(super) fn end_where_it_touches(&mut self) {
         // Of a failed estimate not even times need be finite.
         if self.estimate.verdict != Verdict::Failed
-            && let Some(end_s) = overlap_begins_s(&self.scene, &self.estimate)
+            && let Some(end_s) = overlaps_begin_s(&self.scene, &self.estimate).first()
         {
-            self.estimate.end_at(end_s);
+            self.estimate.end_at(*end_s);
         }
     }
 

@@ -62,7 +62,7 @@ fn places(
     marks: &[Mark],
 ) -> Option<Vec<Stamp>> {
     let ends_s = ends_of_motion_s(scene, sketch)?;
-    let stamp = |acted_s: f64| Stamp(sketch.origin.0 + (acted_s * 1e9).round() as i64);
+    let stamp = |acted_s: f64| sketch.origin.after(acted_s);
     let places: Option<Vec<Stamp>> = (0..scene.events.len())
         .map(|event| match scene.events[event].kind {
             EventKind::Start => Some(stamp(ends_s[0])),

@@ -19,8 +19,9 @@ pub(super) struct Extent {
 /// in acted time \[s\].
 const PEOPLE_SD_S: f64 = 0.05;
 /// Standard deviation of marks that are annotated afterwards in a stream with physical times, in
-/// its intervals.
+/// its intervals, and at least \[s\]: nobody sees better where a hand bounced, however fast the tracker is.
 const ANNOTATED_SD_INTERVALS: f64 = 0.5;
+const ANNOTATED_SD_S: f64 = 0.5 / 120.0;
 
 /// Standard deviation of marks that were made by looking at the stream \[s\].
 pub(super) fn annotated_sd_s(scene: &Scene, tracks: &TiSlice<TrackIndex, TrackSketch>) -> f64 {
@@ -28,16 +29,17 @@ pub(super) fn annotated_sd_s(scene: &Scene, tracks: &TiSlice<TrackIndex, TrackSk
         .iter_enumerated()
         .filter(|(track, _)| !scene.sees_apart(*track));
     let intervals_s = own.map(|(_, track)| median_interval_s(track));
-    ANNOTATED_SD_INTERVALS * intervals_s.fold(0.0, f64::max)
+    let interval_s = intervals_s.fold(0.0, f64::max);
+    (ANNOTATED_SD_INTERVALS * interval_s).max(ANNOTATED_SD_S)
 }
 
-/// Standard deviation of the mark of an event, in acted time \[s\]. Nothing in a stream shows where a
-/// waypoint is: nobody annotates it better than while acting.
+/// Standard deviation of the mark of an event, in acted time \[s\]. Nothing in a stream shows where a waypoint or an end
+/// is, as a kink shows a collision: nobody annotates it better than while acting.
 pub(super) fn mark_sd_s(scene: &Scene, event: usize, annotated_s: impl FnOnce() -> f64) -> f64 {
     let of = &scene.events[event];
     let given_s = of.time.mark_sd_s.or(scene.mark_sd_s);
     given_s.unwrap_or_else(|| match scene.timing {
-        Timing::Known | Timing::Edited if of.kind.waypoint().is_none() => annotated_s(),
+        Timing::Known | Timing::Edited if of.kind.collision().is_some() => annotated_s(),
         Timing::Known | Timing::Edited | Timing::Unknown { .. } => PEOPLE_SD_S,
     })
 }

@@ -52,7 +52,7 @@ pub struct Proposal {
 impl Proposal {
     /// The acted time on the clock of the samples.
     pub fn stamp(&self, sketch: &Sketch) -> Stamp {
-        Stamp(sketch.origin.0 + (self.acted_s * 1e9).round() as i64)
+        sketch.origin.after(self.acted_s)
     }
 }
 

@@ -28,4 +28,4 @@ mod touch;
 mod whole;
 
 pub use rest::{is_met, lies, up_name};
-pub use whole::{deepest_between, overlap_begins_s, overlaps, touches, verify, verify_until};
+pub use whole::{deepest_between, overlaps, overlaps_begin_s, touches, verify, verify_until};

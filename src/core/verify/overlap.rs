@@ -91,12 +91,13 @@ fn each_of<'w>(
     found
 }
 
-/// When the first body that goes deeper into another, or into what stands, than the tolerance begins to \[s\].
-pub(super) fn begins_s(world: &World) -> Option<f64> {
-    let begins = world
-        .meetings()
-        .filter_map(|meeting| OverlapScan::new(world, &meeting).begins_s());
-    begins.min_by(f64::total_cmp)
+/// When bodies that go deeper into others, or into what stands, than the tolerance begin to \[s\], in order of time.
+pub(super) fn begin_s(world: &World) -> Vec<f64> {
+    let meetings = world.meetings();
+    let begin = meetings.filter_map(|meeting| OverlapScan::new(world, &meeting).begins_s());
+    let mut begin_s: Vec<f64> = begin.collect();
+    begin_s.sort_by(f64::total_cmp);
+    begin_s
 }
 
 struct OverlapScan<'w, 'm> {

@@ -62,11 +62,11 @@ pub fn overlaps(
     overlap::each(&World::new(scene, estimate), observer)
 }
 
-/// When a motion begins to go into something, deeper than the scene may be inaccurate \[s\]; `None` where it does not.
+/// When flights of a motion begin to go into something, deeper than the scene may be inaccurate \[s\], in order of time.
 ///
 /// The estimate's arcs must be finite and the scene valid.
-pub fn overlap_begins_s(scene: &Scene, estimate: &Estimate) -> Option<f64> {
-    overlap::begins_s(&World::new(scene, estimate))
+pub fn overlaps_begin_s(scene: &Scene, estimate: &Estimate) -> Vec<f64> {
+    overlap::begin_s(&World::new(scene, estimate))
 }
 
 /// The features that touch first at every collision, as in [`verify`](verify()), without the other
