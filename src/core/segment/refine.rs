@@ -318,6 +318,11 @@ fn refine_one(
         });
         marks.sum()
     };
+    // How fast a body turns follows the tempo, where that is unknown.
+    let kinds = match scene.timing {
+        Timing::Known | Timing::Edited => 2,
+        Timing::Unknown { .. } => 1,
+    };
     // Minus the logarithm of the likelihood, up to a constant.
     let unlikely = |cut: usize| -> f64 {
         let mut sum = 0.0;
@@ -325,7 +330,7 @@ fn refine_one(
             let Some(costs) = costs(stretch, cut) else {
                 return f64::INFINITY;
             };
-            for kind in 0..2 {
+            for kind in 0..kinds {
                 let others = (left[stretch.track][kind] - now[kind]).max(0.0);
                 let all = others + costs[kind] + ROUNDING;
                 sum += unlikely_residuals(&sketch.tracks[stretch.track], all);
