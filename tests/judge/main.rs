@@ -3,5 +3,6 @@
 mod adequacy;
 mod credible;
 mod diagnosis;
+mod drawn;
 mod keep_out;
 mod verdict;

@@ -1,8 +1,10 @@
 //! Marks that are late or early find their collision, and cuts leave out what lies beside it.
 
-use enact::motion::{MarkTime, TrackIndex};
-use enact::segment::{SegmentError, cut, refine, relocate_marks};
-use enact_tools::perform::{Acting, Performance, Style, bounces, clatter, perform};
+use enact::motion::{MarkTime, Seen, TrackIndex};
+use enact::segment::{SegmentError, clean, cut, refine, relocate_marks};
+use enact_tools::perform::{
+    Acting, Performance, Polyhedron, Style, Throw, bounces, clatter, perform, thrown,
+};
 
 /// The samples' interval [s].
 const INTERVAL_S: f64 = 1.0 / 120.0;
@@ -26,6 +28,50 @@ fn marks_off_by_some_samples_come_back_to_their_collisions() {
                 "{style:?} {samples_off} {error_s}"
             );
         }
+    }
+}
+
+/// The wander of a hand is no kink because a fast tracker sees more of it: good marks stay.
+#[test]
+fn good_marks_of_small_dice_stay_at_any_rate() {
+    for rate_hz in [120.0, 360.0, 1000.0] {
+        let (mut near, mut all) = (0, 0);
+        for seed in 40..60 {
+            let truth = thrown(Polyhedron::Cube, &Throw::sized(0.01, 100.0), 3, seed);
+            let acting = Acting {
+                rate_hz,
+                distortion: 0.1,
+                kink_s: 0.01,
+                ..Acting::timing_known()
+            };
+            let performance = perform(&truth.expect("a die that bounces"), &acting, seed);
+            let scene = &performance.truth.scene;
+            let (mut sketch, _) = clean::clean(scene, &performance.events).expect("a take");
+            let true_s = &performance.truth.event_times_s;
+            sketch.marks_s[..4].copy_from_slice(&true_s[..4]);
+            refine(scene, &mut sketch);
+            let off_s = (0..4).map(|of| (sketch.marks_s[of] - true_s[of]).abs());
+            near += off_s.filter(|off_s| *off_s < 0.01).count();
+            all += 4;
+        }
+        assert!(20 * near >= 19 * all, "{rate_hz}: {near} of {all}");
+    }
+}
+
+/// Nothing in a stream shows where an end is; and nobody sees a bounce better for a faster tracker.
+#[test]
+fn marks_are_believed_as_far_as_people_are() {
+    for rate_hz in [60.0, 120.0, 1000.0] {
+        let acting = Acting {
+            rate_hz,
+            ..Acting::timing_known()
+        };
+        let performance = perform(&Style::Tip.truth(), &acting, 4);
+        let cleaned = clean::clean(&performance.truth.scene, &performance.events);
+        let (sketch, _) = cleaned.expect("a clean take");
+        let sd_s = |event: usize| sketch.marks[event].expect("a mark").sd_s;
+        assert!((sd_s(0) - f64::max(0.5 / rate_hz, 0.5 / 120.0)).abs() < 1e-4);
+        assert_eq!(sd_s(1), 0.05);
     }
 }
 

@@ -1,15 +1,15 @@
 //! Refines marks, which are late or early by reaction time, to the kink in the path of the centre
-//! of mass and in the integral of the angular momentum.
+//! of mass.
 //!
 //! For each collision every sample within reach of the mark is tried as the cut `k`, and the one of
 //! greatest likelihood is taken:
 //!
 //! ```text
-//! min over k   ½ n (ln Σ r²(k) + ln Σ s²(k)) + ½ (ν + 1) ln(1 + d²(k)/ν)
+//! min over k   ½ n ln Σ r²(k) + ½ (ν + 1) ln(1 + d²(k)/ν)
 //! ```
 //!
-//! The first term is that of the residuals of the free flights of all segments (`prefix.rs`), `r` of positions and `s`
-//! of turns, each with an unknown variance; since the hand wanders, neighbouring residuals are correlated, and `n`
+//! The first term is that of the residuals `r` of the ballistic fits of all segments (`prefix.rs`),
+//! with an unknown variance; since the hand wanders, neighbouring residuals are correlated, and `n`
 //! is the number of independent ones. The second is Student's t distribution with `ν` degrees of
 //! freedom of the mark's error `d` in standard deviations: now and then a mark is off by far more
 //! than that.
@@ -30,9 +30,9 @@ const REACH_S: f64 = 0.12;
 const REACH_KNOWN_S: f64 = 8.0 / 120.0;
 /// Least number of samples between two marks.
 const KEEP_SAMPLES: usize = 5;
-/// Added to the residual sums of squares of a cut \[m² and rad²\], a tenth of a millimetre or milliradian at one sample:
+/// Added to the residual sum of squares of a cut \[m²\], a tenth of a millimetre at one sample:
 /// below it, sums of clean data differ by rounding.
-const ROUNDING: f64 = 1e-8;
+const ROUNDING_M2: f64 = 1e-8;
 /// Least gain in the logarithm of the likelihood for which a mark moves.
 const GAIN_MIN: f64 = 1e-3;
 /// Residuals so far from each other are independent \[s\].
@@ -56,22 +56,17 @@ pub fn refine(scene: &Scene, sketch: &mut Sketch) -> usize {
         .filter(|event| scene.time_is_free(*event))
         .collect();
     let tracks = sketch.tracks.iter_enumerated();
-    let sums = tracks.map(|(index, track)| {
-        [
-            PrefixSums::of_positions(scene, index, track),
-            PrefixSums::of_turns(scene, index, track),
-        ]
-    });
-    let sums: TiVec<TrackIndex, [PrefixSums; 2]> = sums.collect();
-    let left = sums.iter_enumerated();
-    let left = left.map(|(track, sums)| left_of(scene, sketch, sums, track));
-    let mut left: TiVec<TrackIndex, [f64; 2]> = left.collect();
+    let sums = tracks.map(|(index, track)| PrefixSums::of_positions(scene, index, track));
+    let sums: TiVec<TrackIndex, PrefixSums> = sums.collect();
+    let left_m2 = sums.iter_enumerated();
+    let left_m2 = left_m2.map(|(track, sums)| left_m2_of(scene, sketch, sums, track));
+    let mut left_m2: TiVec<TrackIndex, f64> = left_m2.collect();
     let mut rounds = 0;
     let mut moved = true;
     while moved && rounds < ROUNDS_MAX {
         moved = false;
         for event in &events {
-            moved |= refine_one(scene, sketch, &sums, &mut left, *event);
+            moved |= refine_one(scene, sketch, &sums, &mut left_m2, *event);
         }
         rounds += 1;
         moved &= events.len() > 1;
@@ -79,25 +74,20 @@ pub fn refine(scene: &Scene, sketch: &mut Sketch) -> usize {
     rounds
 }
 
-/// Residual sums of squares of all flights of a track, with the cuts of the sketch \[m² and rad²\].
-fn left_of(scene: &Scene, sketch: &Sketch, sums: &[PrefixSums; 2], track: TrackIndex) -> [f64; 2] {
+/// Residual sum of squares of all flights of a track, with the cuts of the sketch \[m²\].
+fn left_m2_of(scene: &Scene, sketch: &Sketch, sums: &PrefixSums, track: TrackIndex) -> f64 {
     let samples = &sketch.tracks[track].samples;
     let mechanism = scene.mechanism_seen_by(track);
-    let mut flights = Vec::new();
-    let mut begin = 0;
+    let (mut left_m2, mut begin) = (0.0, 0);
     for (event, of) in scene.events.iter().enumerate() {
         if scene.concerns(event, mechanism) {
             let at = samples.partition_point(|s| s.acted_s <= sketch.marks_s[event]);
             let beside = usize::from(of.kind.collision().is_some());
-            flights.push(begin..at.saturating_sub(beside));
+            left_m2 += sums.cost(begin, at.saturating_sub(beside));
             begin = (at + beside).min(samples.len());
         }
     }
-    flights.push(begin..samples.len());
-    sums.each_ref().map(|sums| {
-        let costs = flights.iter().map(|of| sums.cost(of.start, of.end));
-        costs.sum()
-    })
+    left_m2 + sums.cost(begin, samples.len())
 }
 
 /// Enlarges the standard deviations `σ` of marks to `σ √((ν + d²)/(ν + 1))`, at least `σ`: at the
@@ -179,12 +169,10 @@ impl Stretch {
         self.begin + KEEP_SAMPLES..=most
     }
 
-    /// Residual sums of squares with a cut \[m² and rad²\]; the samples beside it are left out.
-    fn costs(&self, sums: &[PrefixSums; 2], cut: usize) -> [f64; 2] {
+    /// Residual sum of squares with a cut \[m²\]; the samples beside it are left out.
+    fn cost(&self, sums: &PrefixSums, cut: usize) -> f64 {
         let [before, after] = self.flights(cut);
-        let both =
-            |of: &PrefixSums| of.cost(before.start, before.end) + of.cost(after.start, after.end);
-        sums.each_ref().map(both)
+        sums.cost(before.start, before.end) + sums.cost(after.start, after.end)
     }
 
     fn flights(&self, cut: usize) -> [Range<usize>; 2] {
@@ -251,8 +239,8 @@ pub(super) fn reach_s(scene: &Scene) -> f64 {
 fn refine_one(
     scene: &Scene,
     sketch: &mut Sketch,
-    sums: &TiSlice<TrackIndex, [PrefixSums; 2]>,
-    left: &mut TiSlice<TrackIndex, [f64; 2]>,
+    sums: &TiSlice<TrackIndex, PrefixSums>,
+    left_m2: &mut TiSlice<TrackIndex, f64>,
     event: usize,
 ) -> bool {
     let close = close_events(scene, sketch, event);
@@ -298,14 +286,14 @@ fn refine_one(
         let others = &sketch.tracks[stretch.track].samples;
         others.partition_point(|s| s.acted_s <= time_s(cut))
     };
-    let costs = |stretch: &Stretch, cut: usize| {
+    let cost_m2 = |stretch: &Stretch, cut: usize| {
         let cut = others_cut(stretch, cut);
         let fits = stretch.cuts().contains(&cut);
-        fits.then(|| stretch.costs(&sums[stretch.track], cut))
+        fits.then(|| stretch.cost(&sums[stretch.track], cut))
     };
-    let costs_now: Vec<[f64; 2]> = stretches
+    let now_m2: Vec<f64> = stretches
         .iter()
-        .map(|stretch| costs(stretch, now).unwrap_or_default())
+        .map(|stretch| cost_m2(stretch, now).unwrap_or(0.0))
         .collect();
     let marks_off = |cut: usize| -> f64 {
         let marks = close.iter().filter_map(|close| {
@@ -318,23 +306,16 @@ fn refine_one(
         });
         marks.sum()
     };
-    // How fast a body turns follows the tempo, where that is unknown.
-    let kinds = match scene.timing {
-        Timing::Known | Timing::Edited => 2,
-        Timing::Unknown { .. } => 1,
-    };
     // Minus the logarithm of the likelihood, up to a constant.
     let unlikely = |cut: usize| -> f64 {
         let mut sum = 0.0;
-        for (stretch, now) in stretches.iter().zip(&costs_now) {
-            let Some(costs) = costs(stretch, cut) else {
+        for (stretch, now_m2) in stretches.iter().zip(&now_m2) {
+            let Some(cost_m2) = cost_m2(stretch, cut) else {
                 return f64::INFINITY;
             };
-            for kind in 0..kinds {
-                let others = (left[stretch.track][kind] - now[kind]).max(0.0);
-                let all = others + costs[kind] + ROUNDING;
-                sum += unlikely_residuals(&sketch.tracks[stretch.track], all);
-            }
+            let others_m2 = (left_m2[stretch.track] - now_m2).max(0.0);
+            let all_m2 = others_m2 + cost_m2 + ROUNDING_M2;
+            sum += unlikely_residuals(&sketch.tracks[stretch.track], all_m2);
         }
         sum + marks_off(cut)
     };
@@ -345,11 +326,9 @@ fn refine_one(
     if best == now || !(unlikely(best) < unlikely(now) - GAIN_MIN) {
         return false;
     }
-    for (stretch, now) in stretches.iter().zip(&costs_now) {
-        let costs = costs(stretch, best).unwrap_or(*now);
-        for kind in 0..2 {
-            left[stretch.track][kind] += costs[kind] - now[kind];
-        }
+    for (stretch, now_m2) in stretches.iter().zip(&now_m2) {
+        let best_m2 = cost_m2(stretch, best).unwrap_or(*now_m2);
+        left_m2[stretch.track] += best_m2 - now_m2;
     }
     let best_s = time_s(best);
     let first_s = sketch.marks_s[event];

@@ -46,8 +46,7 @@ pub(in crate::config) struct RawEvent {
     /// "free" or "fixed" at its mark. Default: free for collisions and waypoints, and for an end with a
     /// goal where stamps are a tempo.
     pub(in crate::config) time: Option<Text>,
-    /// Standard deviation of its mark. Default: `timing.mark_sd_ms`; of a waypoint 50 where that is not
-    /// given.
+    /// Standard deviation of its mark. Default: that of `timing.mark_sd_ms`.
     pub(in crate::config) time_sd_ms: Option<Number>,
     /// Earliest time after its mark. Default: none.
     pub(in crate::config) earliest_ms: Option<Number>,

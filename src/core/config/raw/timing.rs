@@ -23,8 +23,8 @@ pub(in crate::config) struct RawTiming {
     /// How much a tempo wavers, as the standard deviation of its logarithm after one second. Default:
     /// 0.5.
     pub(in crate::config) tempo_sd_per_sqrt_s: Option<Number>,
-    /// Standard deviation of marks. Default: half a sample's interval where stamps are physical, 50
-    /// where they are not.
+    /// Standard deviation of marks. Default: of collisions where stamps are physical half a sample's interval, and
+    /// at least 4.2; of others 50.
     pub(in crate::config) mark_sd_ms: Option<Number>,
 }
 
