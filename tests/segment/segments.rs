@@ -1,6 +1,6 @@
 //! Marks that are late or early find their collision, and cuts leave out what lies beside it.
 
-use enact::motion::{MarkTime, Seen, TrackIndex};
+use enact::motion::{MarkTime, TrackIndex};
 use enact::segment::{SegmentError, clean, cut, refine, relocate_marks};
 use enact_tools::perform::{
     Acting, Performance, Polyhedron, Style, Throw, bounces, clatter, perform, thrown,
