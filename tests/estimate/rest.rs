@@ -80,7 +80,7 @@ fn the_face_that_is_asked_for_is_up_in_what_is_written() {
         assert_eq!(rest["reached"], true, "{seed}: {}", replayed.account);
         assert_eq!(rest["goals"][0]["asked"], face);
         assert_eq!(rest["goals"][0]["face_up"], face);
-        // Contacts of a body at rest give by some hundredths of a millimetre.
+        // The simulation calls a die that tilts by a fraction of a degree at rest.
         let off_deg = off_deg(&replayed.last, face);
         assert!(off_deg < 0.5, "{seed}: {off_deg}");
         let said = format!("rest      cube: {face} up as asked");

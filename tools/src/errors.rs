@@ -82,6 +82,22 @@ impl Errors {
     }
 }
 
+/// The greatest error of an event's time that is estimated: in milliseconds, and in its deviations.
+pub fn event_time_off(case: &Case, outcome: &Outcome) -> [f64; 2] {
+    let posed = Posed::new(case.scene(), &outcome.sketch);
+    let offset_s = case.offset_s(&posed, &outcome.sketch);
+    let events = outcome.estimate.events.iter();
+    let free = events.filter(|of| posed.problem.event_is_free[of.event]);
+    let mut worst = [0.0_f64; 2];
+    for event in free {
+        let true_s = case.performance.truth.event_times_s[event.event];
+        let off_s = (event.time_s - offset_s - true_s).abs();
+        worst[0] = worst[0].max(1e3 * off_s);
+        worst[1] = worst[1].max(event.sd_s.map_or(0.0, |sd_s| off_s / sd_s));
+    }
+    worst
+}
+
 /// Whether the solver stopped because it was done, and not because it got no further: its verdict
 /// is about the gaps alone.
 pub fn has_converged(estimate: &Estimate) -> bool {

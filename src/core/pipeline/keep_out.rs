@@ -89,7 +89,7 @@ fn is_near(objective: f64, solved: &Solved, scene: &Scene) -> bool {
     let most = DIFFERENCE[0] + DIFFERENCE[1] * held.saturating_sub(1) as f64;
     let farther = kept - objective;
     if solved.errs_in_time() {
-        // Those of a hand are told: a residual varies by one, if not more.
+        // Residuals are in units of the errors that are told, so that each varies by one, if not more.
         return kept <= FARTHER * objective && farther <= most * variance.max(1.0);
     }
     let may_err = scene.performer != Performer::Nobody;

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use anyhow::Result;
 use enact::motion::{Fits, Verdict};
 use enact::pipeline::{Outcome, PipelineError};
-use enact_tools::case::{Case, Posed};
+use enact_tools::errors::event_time_off;
 use enact_tools::scenes::{Asked, DrawnScene};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -50,7 +50,7 @@ impl Answered {
         let outcome = case.pipeline().finish(&mut CoreLimit(&time, LIMIT_S));
         let seconds = time.seconds();
         let [off_ms, deviations] = match &outcome {
-            Ok(outcome) => off(&case, outcome),
+            Ok(outcome) => event_time_off(&case, outcome),
             Err(_) => [f64::NAN; 2],
         };
         Self {
@@ -96,22 +96,6 @@ fn against(outcome: &Result<Outcome, PipelineError>) -> Vec<String> {
     all.sort();
     all.dedup();
     all
-}
-
-/// The greatest error of an event's time that is estimated: in milliseconds, and in its deviations.
-fn off(case: &Case, outcome: &Outcome) -> [f64; 2] {
-    let posed = Posed::new(case.scene(), &outcome.sketch);
-    let offset_s = case.offset_s(&posed, &outcome.sketch);
-    let events = outcome.estimate.events.iter();
-    let free = events.filter(|of| posed.problem.event_is_free[of.event]);
-    let mut worst = [0.0_f64; 2];
-    for event in free {
-        let true_s = case.performance.truth.event_times_s[event.event];
-        let off_s = (event.time_s - offset_s - true_s).abs();
-        worst[0] = worst[0].max(1e3 * off_s);
-        worst[1] = worst[1].max(event.sd_s.map_or(0.0, |sd_s| off_s / sd_s));
-    }
-    worst
 }
 
 /// Runs it.
