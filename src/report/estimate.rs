@@ -158,10 +158,8 @@ impl EstimateReport {
 /// Whether it was asked whether a motion fits, and could be told: where noise explains what is left of joined bodies and it is
 /// unknown all the same, samples have no power to tell.
 fn is_fit_tested(estimate: &Estimate) -> bool {
-    estimate.fit.as_ref().is_ok_and(|fit| {
-        let is_noise = fit.whole.as_ref().is_some_and(|whole| whole.is_noise);
-        fit.fits != Fits::Unknown || !is_noise
-    })
+    let fit = estimate.fit.as_ref();
+    fit.is_ok_and(|fit| fit.fits != Fits::Unknown || !fit.is_noise)
 }
 
 fn acted_s(sketch: &Sketch) -> f64 {

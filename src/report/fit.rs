@@ -1,6 +1,6 @@
 //! The answer whether a motion fits, in words, and what it rests on.
 
-use crate::motion::{Estimate, Fits, Scene, WholeFit};
+use crate::motion::{Estimate, Fit, Fits, Scene};
 
 /// The answer for people: whether a motion fits (`fits` as files have it), and whether that was told.
 pub fn fit_words(fits: &str, is_tested: bool) -> &'static str {
@@ -21,23 +21,20 @@ pub(super) fn fit_note(estimate: &Estimate) -> Option<String> {
         Err(untold) => return Some(untold.sentence().to_owned()),
         Ok(fit) => fit,
     };
-    let whole = fit.whole.as_ref()?;
-    let hides = hidden(whole).map_or(String::new(), |what| format!(", which hides {what}"));
+    let hides = hidden(fit).map_or(String::new(), |what| format!(", which hides {what}"));
     match fit.fits {
-        Fits::Unknown if whole.is_noise => Some(format!("noise explains what is left{hides}")),
+        Fits::Unknown if fit.is_noise => Some(format!("noise explains what is left{hides}")),
         Fits::Unknown => Some(format!(
             "more is left than noise; a wander of the hand may be the reason{hides}"
         )),
-        Fits::Yes if !whole.is_noise => {
-            Some(format!("what is left is a wander of the hand{hides}"))
-        }
+        Fits::Yes if !fit.is_noise => Some(format!("what is left is a wander of the hand{hides}")),
         _ => None,
     }
 }
 
 /// What of joints does not show.
-fn hidden(whole: &WholeFit) -> Option<String> {
-    let shown_m = whole.shown_m?;
+fn hidden(fit: &Fit) -> Option<String> {
+    let shown_m = fit.shown_m?;
     Some(match shown_m.is_finite() {
         true => format!("joints that are up to {:.0} mm elsewhere", 1e3 * shown_m),
         false => "wherever joints are".to_owned(),
@@ -46,8 +43,6 @@ fn hidden(whole: &WholeFit) -> Option<String> {
 
 /// Names of what samples would tell nothing of, were it wrong.
 pub(super) fn not_told(scene: &Scene, estimate: &Estimate) -> Vec<String> {
-    let fit = estimate.fit.as_ref().ok();
-    let whole = fit.and_then(|fit| fit.whole.as_ref());
-    let untold = whole.iter().flat_map(|whole| &whole.untold);
+    let untold = estimate.fit.iter().flat_map(|fit| &fit.untold);
     untold.map(|of| scene.name_of_quantity(*of)).collect()
 }

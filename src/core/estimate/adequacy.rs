@@ -1,79 +1,62 @@
-//! Adequacy: whether the motion explains the performance.
+//! Adequacy: whether the motion explains the performance, and what in the scene is wrong where it does not.
 //!
-//! Contacts, impacts and goals tie flights that could each fit their samples better alone
-//! (`alone`). How much worse they fit together is compared with what errors of the samples explain:
-//! white noise and a wander of the hand, as the flights by themselves show it
-//! ([`noise`]). Each event is tested (`event`), so that the answer names
-//! where flights and model disagree. A flight that ends at no such event is tested by itself (`flight`).
+//! Residuals are taken for errors that are a process in time: noise, and what a hand strays ([`wander`](super::wander)). A
+//! quantity that the scene keeps fixed is wrong where the same residuals are much likelier with it free ([`asked`]). Where
+//! samples were weighed one by one, the errors are told at that motion, and the flights by themselves ([`alone`]) tell whether
+//! there was a hand at all.
 
 mod alone;
-mod event;
-mod flight;
-pub(super) mod hand;
+pub(super) mod asked;
+mod candidates;
+mod direction;
 mod leaning;
-mod part;
-mod score;
-mod suspects;
-pub(super) mod wandering;
+mod trial;
+mod wider;
 
 use std::collections::BTreeSet;
 
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 
 pub use self::leaning::leanings;
 
-use self::alone::Alone;
-use self::part::{Part, PartTest};
-use self::suspects::{Errors, Which};
-use crate::estimate::covariance::bins::{Bins, Residuals, Six};
+use self::alone::errors_alone;
+use self::asked::{Asked, Strayed};
+use self::candidates::candidates;
+use self::trial::Trials;
+use self::wider::{Wider, unbounded};
+use crate::estimate::covariance::bins::{Residuals, Six};
+use crate::estimate::covariance::linearised::{
+    InTime, LinearisedSolution, free_directions, is_too_free, likely,
+};
 use crate::estimate::covariance::noise::{self, mean_squares};
 use crate::estimate::outcome;
+use crate::estimate::problem::weave::Weave;
 use crate::estimate::problem::{Problem, View};
 use crate::estimate::schedule::recipe::Solution;
-use crate::estimate::terms::context::SolveContext;
-use crate::estimate::unknowns::point::Point;
-use crate::motion::{Fit, FitUntold, Fits, Observer, Performance, Performer, Suspect, Tested};
+use crate::estimate::terms::context::{Guidance, SolveContext};
+use crate::estimate::terms::woven;
+use crate::estimate::wander::Process;
+use crate::estimate::wander::likelihood::{LikelyErrors, Restricted};
+use crate::estimate::wander::series::SeriesRows;
+use crate::motion::{Fit, FitUntold, Observer, Performance, Performer, Suspect};
+use crate::optimise::Program;
+use crate::optimise::kkt::Kkt;
 
-/// Below this probability of the data under the model they do not fit; above, they may.
-const NOT: f64 = 1e-9;
-/// Above this one they fit.
-const WELL: f64 = 1e-3;
-/// Above this one a wander explains so well that few are suspected.
-const LIKELY: f64 = 0.1;
-/// Logarithm of the odds above which the flights show a wander.
-const SHOWN: f64 = 3.0;
 /// Duration of flights that go along with any wander of a hand \[s\].
 const SHORT_S: f64 = 0.15;
 /// Deviations of a ratio of variances that are no chance.
 const CHANCES: f64 = 3.0;
-
-/// How well a solution explains its samples.
-pub struct Judged {
-    /// The answer and what it rests on.
-    pub fit: Fit,
-    /// What in the scene may be wrong where it does not fit, the likeliest first.
-    pub suspects: Vec<Suspect>,
-    /// From where a better optimum may be found, if something hints at one.
-    pub start: Option<Point>,
-}
-
-impl From<Fit> for Judged {
-    /// An answer without suspects.
-    fn from(fit: Fit) -> Self {
-        Self {
-            fit,
-            suspects: Vec::new(),
-            start: None,
-        }
-    }
-}
+/// A motion that is nearer to its samples than this share of the distance of bodies that rest is not compared with these.
+const FAR_SHARE: f64 = 0.5;
+/// By how much `−2 log` of the likelihood of what rests may be less by chance: odds of a thousand.
+const BY_CHANCE: f64 = 13.8;
 
 /// Whether samples show a hand: flights by themselves are farther from them than differences of neighbours tell, by more than
 /// chance. Flights so short that they go along with any wander show it together: noise does not explain how they agree then, but
 /// errors as great as the scene expects do.
 pub(super) fn show_hand(context: &SolveContext, solution: &Solution) -> bool {
     let (point, system) = (&solution.point, &solution.system);
-    let Some(alone) = Alone::new(context, point, system) else {
+    let Some(alone) = errors_alone(context, point, system) else {
         return false;
     };
     if stray_alone(context, &alone) {
@@ -87,187 +70,170 @@ pub(super) fn show_hand(context: &SolveContext, solution: &Solution) -> bool {
     if longest_s.is_none_or(|longest_s| longest_s > SHORT_S) {
         return false;
     }
-    let tests = tests(context, &alone, solution, &mut ());
-    let count = tests.len() as f64;
-    let is_noise = |test: &PartTest| count * test.fit.by_noise.probability >= WELL;
+    let white = noise::white(&alone);
     let errors = outcome::errors(context.problem, context, point);
-    let is_expected = mean_squares(&errors).iter().all(|square| *square <= 1.0);
-    is_expected && !tests.iter().all(is_noise)
+    let squares = mean_squares(&errors);
+    let is_noise = (0..2).all(|kind| {
+        let rows = row_count(&errors, kind) as f64;
+        !is_beyond_noise(squares[kind] * rows, white[kind], rows)
+    });
+    squares.iter().all(|square| *square <= 1.0) && !is_noise
 }
 
 /// Whether flights by themselves are farther from their samples than noise makes them.
-fn stray_alone(context: &SolveContext, alone: &Alone) -> bool {
-    let white = noise::white(&alone.errors);
-    let squares = mean_squares(&alone.errors);
+fn stray_alone(context: &SolveContext, alone: &[Residuals]) -> bool {
+    let white = noise::white(alone);
+    let squares = mean_squares(alone);
     let flights = context.problem.seen_arcs();
     (0..2).any(|kind| {
-        let of_kind = alone.errors.iter().filter(|of| of.kinds[kind]);
-        let rows = 3 * of_kind.map(|of| of.each.len()).sum::<usize>();
+        let rows = row_count(alone, kind);
         // Of each flight a place and a velocity are fitted, or a turn and a spin.
         let freedom = rows.saturating_sub(6 * flights) as f64;
         is_beyond_noise(squares[kind] * rows as f64, white[kind], freedom)
     })
 }
 
+/// Number of residuals of a kind.
+fn row_count(errors: &[Residuals], kind: usize) -> usize {
+    let of_kind = errors.iter().filter(|of| of.kinds[kind]);
+    3 * of_kind.map(|of| of.each.len()).sum::<usize>()
+}
+
 /// Whether a sum of squares with so many degrees of freedom is greater than noise of a variance makes it, by more than chance.
-pub(in crate::estimate) fn is_beyond_noise(square: f64, variance: f64, freedom: f64) -> bool {
+fn is_beyond_noise(square: f64, variance: f64, freedom: f64) -> bool {
     let beyond_chance = CHANCES * (4.0 / freedom.max(1.0)).sqrt();
     square > (1.0 + beyond_chance) * variance * freedom && freedom > 0.0
 }
 
-/// How well a solution explains its samples, of which `errors` are the residuals, arc by arc; and
-/// where it does not, what in the scene may be wrong. Fails where samples tell too little.
+/// How well a solution explains its samples, of which `errors` are the residuals, arc by arc; and where it does not, what in
+/// the scene may be wrong. Fails where samples tell too little, and where the observer stops it.
 pub fn judge(
     context: &SolveContext,
     solution: &Solution,
     errors: &[Residuals],
     performance: Performance,
     observer: &mut dyn Observer,
-) -> Result<Judged, FitUntold> {
-    let problem = context.problem;
-    if let Some(weave) = &problem.weave {
-        return wandering::judge(context, weave, solution, errors, performance, observer);
+) -> Result<(Fit, Vec<Suspect>), FitUntold> {
+    if let Some(weave) = &context.problem.weave {
+        let told = ToldMotion {
+            context,
+            weave,
+            solution,
+            processes: weave.processes,
+            strayed: Strayed::Hand,
+            trials: None,
+        };
+        return told.judged(errors, performance, observer);
     }
-    let alone = Alone::new(context, &solution.point, &solution.system);
-    let alone = alone.ok_or(FitUntold::FewSamples)?;
-    let mut tests = tests(context, &alone, solution, observer);
-    if observer.should_stop() {
-        return Err(FitUntold::Stopped);
-    }
-    if tests.is_empty() {
+    let in_time = InTime::new(context, solution);
+    let (context_in_time, there) = in_time.at(context, solution);
+    if is_too_free(&context_in_time, &there.system) {
         return Err(FitUntold::FewSamples);
     }
-    let mut fit = Fit {
-        fits: Fits::Yes,
-        joint: rms(problem, errors),
-        alone: rms(problem, &alone.errors),
-        parts: tests.iter().map(|test| test.fit.clone()).collect(),
-        whole: None,
-    };
-    let [not, well, likely] = [NOT, WELL, LIKELY].map(|bound| {
-        if problem.times_are_unknown() {
-            bound * bound
-        } else {
-            bound
-        }
-    });
-    let is_hand = fit.shows_wander(SHOWN);
-    let is_explained = |fit: &Fit| {
-        let [by_noise, by_hand] = fit.probabilities();
-        by_noise >= WELL || is_hand && by_hand >= likely
-    };
-    if problem.times_are_unknown() && !is_explained(&fit) {
-        tests = kinder(context, &alone, tests, solution, observer).ok_or(FitUntold::FewSamples)?;
-        fit.parts = tests.iter().map(|test| test.fit.clone()).collect();
-    }
-    let [by_noise, by_hand] = fit.probabilities();
-    if by_noise >= WELL {
-        return Ok(fit.into());
-    }
-    if farther_than_rest(problem, fit.joint[0]) {
-        fit.fits = Fits::No;
-        return Ok(fit.into());
-    }
-    let mean = |of: fn(&PartTest) -> [f64; 2]| {
-        [0, 1].map(|kind| tests.iter().map(|test| of(test)[kind]).sum::<f64>() / tests.len() as f64)
-    };
-    if problem.performer == Performer::Nobody && by_hand >= WELL {
-        return Ok(fit.into());
-    }
-    let bins = Bins::new(problem, &solution.point);
-    let hands = part::hands_like(context, &bins, mean(|test| test.wander));
-    let noise = Errors {
-        white: mean(|test| test.white),
-        hands: &hands,
-        is_likely: is_hand && by_hand >= likely,
-        is_hand,
-        is_unlikely: by_hand < well,
-        is_beyond: by_hand < not,
-        bins: &bins,
-    };
-    let scored = |which| suspects::scored(context, solution, performance, &noise, which);
-    // What is dear to look into would show in something else too, gravity or an impact's law.
-    let is_open = !is_hand
-        || by_hand < likely
-        || problem.times_are_unknown()
-        || !scored(Which::Cheap).is_empty();
-    let tried = is_open.then(|| {
-        let scored = scored(Which::All);
-        let solved = suspects::SolvedMotion {
+    let expected = LikelyErrors::of([Process::EXPECTED; 2]);
+    let likely = likely(&context_in_time, &there, &expected, 0.0);
+    let told = ToldMotion {
+        context: &context_in_time,
+        weave: in_time.weave(),
+        solution: &there,
+        processes: likely.ok_or(FitUntold::FewSamples)?.processes,
+        strayed: match performance.scene.performer {
+            Performer::Nobody => Strayed::Tracker,
+            Performer::Unsaid if !show_hand(context, solution) => Strayed::NoHand,
+            Performer::Hand | Performer::Unsaid => Strayed::MaybeHand,
+        },
+        trials: Some(Trials {
             context,
             solution,
-            alone: &alone,
+            performance,
+        }),
+    };
+    told.judged(errors, performance, observer)
+}
+
+/// A motion with the errors of its samples.
+struct ToldMotion<'a> {
+    context: &'a SolveContext<'a>,
+    weave: &'a Weave,
+    solution: &'a Solution,
+    processes: [Process; 2],
+    strayed: Strayed,
+    trials: Option<Trials<'a>>,
+}
+
+impl ToldMotion<'_> {
+    fn judged(
+        self,
+        errors: &[Residuals],
+        performance: Performance,
+        observer: &mut dyn Observer,
+    ) -> Result<(Fit, Vec<Suspect>), FitUntold> {
+        let (scene, context, solution) = (performance.scene, self.context, self.solution);
+        let kkt = Kkt::new(context, &solution.system, &solution.multipliers);
+        let kkt = kkt.ok_or(FitUntold::FewSamples)?;
+        let free = free_directions(context, &solution.system, &kkt).ok_or(FitUntold::FewSamples)?;
+        let quantities = candidates(scene, self.strayed);
+        let added = quantities
+            .iter()
+            .map(|quantity| unbounded(scene, *quantity));
+        let wider = Wider::new(context, performance, added.collect());
+        let point = wider.point(&solution.point);
+        let epochs_s = context.epochs_s.clone();
+        let extended = SolveContext::new(&wider.problem, &wider.layout, epochs_s, &point);
+        let system = extended.evaluated(&Guidance::none(), &point);
+        let further = direction::directions(&extended, &system, context, &kkt, wider.first);
+        let count = free.ncols();
+        let mut directions = DMatrix::zeros(extended.layout.size(), count + further.len());
+        directions.view_mut((0, 0), free.shape()).copy_from(&free);
+        for (at, direction) in further.iter().enumerate() {
+            directions.set_column(count + at, direction);
+        }
+        let linearised = LinearisedSolution::new(&extended, &point, &directions, count, 0.0);
+        let linearised = linearised.ok_or(FitUntold::FewSamples)?;
+        let restricted = linearised.restricted();
+        let joint = rms(context.problem, errors);
+        let may_rest = farther_than_rest(context.problem, joint[0] / FAR_SHARE);
+        let asked = Asked {
+            scene,
+            quantities: &quantities,
+            joint,
+            is_far: may_rest && self.is_likelier_at_rest(restricted.rows),
+            strayed: self.strayed,
+            trials: self.trials,
         };
-        suspects::tried(&solved, performance, scored, &noise, observer)
-    });
-    if observer.should_stop() {
-        return Err(FitUntold::Stopped);
+        let fitted = restricted.at(&self.processes);
+        let fitted = fitted.ok_or(FitUntold::FewSamples)?;
+        asked.judged(&restricted, &fitted, observer)
     }
-    let (suspects, start) = tried.map_or((Vec::new(), None), |of| (of.suspects, of.start));
-    fit.fits = match () {
-        () if by_hand < not || problem.performer == Performer::Nobody => Fits::No,
-        () if is_hand && by_hand >= well && suspects.is_empty() => Fits::Yes,
-        () => Fits::Unknown,
-    };
-    Ok(Judged {
-        fit,
-        suspects,
-        start,
-    })
-}
 
-/// The tests of events, at the flights by themselves or as predicted at the motion, and of flights that end at none of
-/// these; those that are made before the run is to end.
-fn tests(
-    context: &SolveContext,
-    alone: &Alone,
-    solution: &Solution,
-    observer: &mut dyn Observer,
-) -> Vec<PartTest> {
-    let problem = context.problem;
-    let events = 0..problem.event_is_free.len();
-    let test = |event| {
-        let has_time = !observer.should_stop();
-        has_time.then(|| event::test(context, alone, event, &solution.multipliers))?
-    };
-    let mut tests: Vec<PartTest> = events.filter_map(test).collect();
-    let is_tested = |arc: usize| {
-        let mut parts = tests.iter().map(|test| test.part);
-        parts.any(|part| matches!(part, Part::Event(event) if event::flights(problem, event).contains(&arc)))
-    };
-    let lone: Vec<usize> = (0..problem.arcs.len())
-        .filter(|arc| !is_tested(*arc))
-        .collect();
-    let of_flights = lone.into_iter().filter_map(|arc| {
-        let has_time = !observer.should_stop();
-        has_time.then(|| flight::test(context, alone, arc))?
-    });
-    tests.extend(of_flights);
-    tests
-}
-
-/// The tests with the kinder answers of those at the flights by themselves and of those at the motion.
-fn kinder(
-    context: &SolveContext,
-    alone: &Alone,
-    mut tests_alone: Vec<PartTest>,
-    solution: &Solution,
-    observer: &mut dyn Observer,
-) -> Option<Vec<PartTest>> {
-    let predicted = Alone::predicted(context, &solution.point, &solution.system, &alone.errors)?;
-    let better = |test: &mut Tested, other: Tested| {
-        if other.probability > test.probability {
-            *test = other
-        }
-    };
-    let predicted = tests(context, &predicted, solution, observer);
-    for test in &mut tests_alone {
-        if let Some(predicted) = predicted.iter().find(|other| other.part == test.part) {
-            better(&mut test.fit.by_noise, predicted.fit.by_noise);
-            better(&mut test.fit.by_hand, predicted.fit.by_hand);
-        }
+    /// Whether places that samples show are likelier of bodies that rest, with their likeliest errors, than of the motion: no
+    /// one quantity is to blame for that. How far a hand strays does not tell it, for one that strays far from small motions
+    /// shows these all the same.
+    fn is_likelier_at_rest(&self, rows: &SeriesRows) -> bool {
+        let likeliest = || {
+            let (series, columns) = woven::places(self.context, &self.solution.point, self.weave)?;
+            let places = SeriesRows::new(&series, &columns);
+            let size = columns.ncols();
+            let at_rest = Restricted {
+                rows: &places,
+                free: size - 1,
+                priors: &DMatrix::zeros(size, size),
+                least: 0.0,
+            };
+            let at_rest = at_rest.likeliest(&[Process::EXPECTED; 2])?;
+            let moving = Restricted {
+                rows: &rows.of_kind(0).select(&[rows.count() - 1]),
+                free: 0,
+                priors: &DMatrix::zeros(1, 1),
+                least: 0.0,
+            };
+            let moving = moving.at(&[self.processes[0], Process::EXPECTED])?;
+            // Restricted likelihoods of other means are not comparable.
+            let at_rest = at_rest.merit - at_rest.information.ln_determinant();
+            Some(at_rest + BY_CHANCE < moving.merit)
+        };
+        rows.shows(0) && likeliest().unwrap_or(false)
     }
-    Some(tests_alone)
 }
 
 /// Whether motions are farther from the samples than bodies that rest at their mean places would be: no

@@ -12,7 +12,7 @@ mod wandering;
 
 use std::cmp::Ordering;
 
-use crate::estimate::adequacy::{self, Judged};
+use crate::estimate::adequacy;
 use crate::estimate::covariance::bins::Residuals;
 use crate::estimate::outcome;
 use crate::estimate::problem::Problem;
@@ -21,16 +21,14 @@ use crate::estimate::terms::context::{Guidance, SolveContext};
 use crate::estimate::unknowns::layout::Layout;
 use crate::estimate::unknowns::point::Point;
 use crate::motion::{
-    Counters, End, Estimate, FitUntold, Guess, Observer, Performance, Phase, Quiet, Scene, Segment,
-    Sketch, StepLimited, VelocityGaps, Verdict,
+    Counters, Estimate, FitUntold, Guess, Observer, Performance, Phase, Scene, Segment, Sketch,
+    StepLimited, VelocityGaps, Verdict,
 };
 use crate::optimise::{Program, Work};
 
 /// Greatest number of looks at a sample in a stage of a solve, and least number of steps that it may take all the same.
 const LOOKS: usize = 1_000_000;
 const LEAST_STEPS: usize = 200;
-/// Another optimum is taken where its objective is less than this share of the first one's.
-const BETTER: f64 = 0.9;
 
 /// An estimate with the solution from which its deviations are computed.
 #[derive(Clone, Debug)]
@@ -47,8 +45,6 @@ pub struct Solved {
 impl Solved {
     /// Looks whether the motion explains the performance, and what in the scene may be wrong where it
     /// does not. One that failed explains nothing.
-    /// Where that hints at a better optimum the motion there is looked for, and judged instead; one that was led to its
-    /// rest is no optimum, and stays.
     pub fn judge(&mut self, performance: Performance, observer: &mut dyn Observer) {
         if self.estimate.verdict == Verdict::Failed {
             self.estimate.fit = Err(FitUntold::NoMotion);
@@ -59,73 +55,22 @@ impl Solved {
             return;
         }
         observer.phase(Phase::Adequacy);
-        let mut judged = self.judged(performance, observer);
-        let start = judged.as_mut().ok().and_then(|judged| judged.start.take());
-        let is_led = matches!(self.estimate.reason.end, End::Simulated(_));
-        let start = start.filter(|_| !is_led);
-        if start.is_some_and(|start| self.improve(performance, start, observer)) {
-            judged = self.judged(performance, observer);
-        }
-        self.estimate.fit = judged.map(|judged| {
-            self.estimate.suspects = judged.suspects;
-            judged.fit
+        let (context, solution) = (self.context(), &self.solution);
+        let judged = adequacy::judge(&context, solution, &self.errors, performance, observer);
+        let leanings = adequacy::leanings(&context, solution, performance);
+        self.estimate.fit = judged.map(|(fit, suspects)| {
+            self.estimate.suspects = suspects;
+            fit
         });
-        let leanings = adequacy::leanings(&self.context(), &self.solution, performance);
         for (event, leaning) in self.estimate.events.iter_mut().zip(leanings) {
             event.leaning = leaning;
         }
-    }
-
-    fn judged(
-        &self,
-        performance: Performance,
-        observer: &mut dyn Observer,
-    ) -> Result<Judged, FitUntold> {
-        adequacy::judge(
-            &self.context(),
-            &self.solution,
-            &self.errors,
-            performance,
-            observer,
-        )
     }
 
     /// At the solution.
     fn context(&self) -> SolveContext<'_> {
         self.posed
             .context(self.epochs_s.clone(), &self.solution.point)
-    }
-
-    /// Solves again from a point, and takes the motion there if its objective is lower.
-    fn improve(
-        &mut self,
-        performance: Performance,
-        start: Point,
-        observer: &mut dyn Observer,
-    ) -> bool {
-        let Posed { problem, layout } = &self.posed;
-        let recipe = Recipe::default().from_the_last();
-        let found = recipe::solve_from(
-            problem,
-            layout,
-            start,
-            self.epochs_s.clone(),
-            &recipe,
-            &mut Quiet(observer),
-        );
-        let lower = BETTER * self.solution.system.cost;
-        let is_better = found.finished.converged && found.system.cost < lower;
-        if !is_better {
-            return false;
-        }
-        let mut counters = self.estimate.counters;
-        add(&mut counters, &found.work, 1);
-        let there = self.with_solution(self.posed.clone(), found, performance, counters);
-        if there.estimate.verdict > self.estimate.verdict {
-            return false;
-        }
-        *self = there;
-        true
     }
 
     /// The same take with another solution, of a problem with the same flights, after so much work.

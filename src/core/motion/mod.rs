@@ -47,7 +47,7 @@ pub use estimate::{
     MotionPart, ParameterEstimate, SegmentResidual, Undetermined,
 };
 pub use fall::{Fall, acceleration, falls};
-pub use fit::{Fit, FitUntold, Fits, PartFit, Tested, WholeFit};
+pub use fit::{Fit, FitUntold, Fits, Tested};
 pub use guess::{ArcGuess, Guess};
 pub use held::{Driven, HeldMotion};
 pub use index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};

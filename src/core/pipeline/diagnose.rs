@@ -187,7 +187,7 @@ fn is_near(outcome: &Outcome, farthest: f64) -> bool {
 /// Whether an outcome's motion was found with the errors of a hand, from which it is farther than one that follows it.
 fn is_of_hand(outcome: &Outcome) -> bool {
     let fit = outcome.estimate.fit.as_ref();
-    is_motion(outcome) && fit.is_ok_and(|fit| fit.whole.is_some())
+    is_motion(outcome) && fit.is_ok_and(|fit| fit.is_of_hand)
 }
 
 /// Whether an outcome's gaps are closed.

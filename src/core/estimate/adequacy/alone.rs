@@ -19,100 +19,40 @@ const PROMISE: f64 = 1e-3;
 /// Greatest number of halvings of a step.
 const HALVINGS: usize = 2;
 
-/// The flights by themselves.
-pub(super) struct Alone {
-    /// States, and sample times where they are unknown, at the minimum.
-    pub(super) point: Point,
-    /// Objective and constraints there.
-    pub(super) system: System,
-    /// Residuals of all samples, arc by arc, in units.
-    pub(super) errors: Vec<Residuals>,
-    /// What is left of the way to the minimum, of which constraints are predicted; zero there.
-    step: DVector<f64>,
-    /// The factorised Hessian.
-    factor: Envelope,
-    /// Unknowns on which the samples do not depend.
-    is_unseen: Vec<bool>,
-}
-
-impl Alone {
-    /// Releases all constraints at a solution; `None` where the Hessian cannot be factorised.
-    pub(super) fn new(context: &SolveContext, point: &Point, system: &System) -> Option<Self> {
-        let (mut point, mut system) = (point.clone(), without_wishes(context, point, system));
-        let pattern = &context.structure().pattern;
-        let is_unseen = unseen(context, &system);
-        let mut factor = damped(context, &system)?;
-        for _ in 0..STEPS {
-            let mut step = -&system.gradient;
-            solve(context, &factor, &is_unseen, &mut step);
-            let promise = -0.5 * system.gradient.dot(&step);
-            if promise <= PROMISE * system.cost {
-                break;
-            }
-            let mut is_lower = false;
-            for _ in 0..=HALVINGS {
-                let mut there = point.clone();
-                context.retract(&point, &step, &mut there);
-                let of_there = context.evaluated(&Guidance::without_wishes(), &there);
-                if of_there.cost < system.cost {
-                    (point, system, is_lower) = (there, of_there, true);
-                    break;
-                }
-                step *= 0.5;
-            }
-            if !is_lower {
-                break;
-            }
-            factor = damped(context, &system)?;
-        }
-        Some(Self {
-            step: DVector::zeros(pattern.size()),
-            is_unseen,
-            errors: outcome::errors(context.problem, context, &point),
-            point,
-            system,
-            factor,
-        })
-    }
-
-    /// The same as predicted at the solution itself, for the errors of the flights by themselves.
-    /// Where flights are so free that their minimum is far, derivatives are right only at one of
-    /// the two, under a right model here.
-    pub(super) fn predicted(
-        context: &SolveContext,
-        point: &Point,
-        system: &System,
-        errors: &[Residuals],
-    ) -> Option<Self> {
-        let system = without_wishes(context, point, system);
-        let is_unseen = unseen(context, &system);
-        let factor = damped(context, &system)?;
+/// Residuals of all samples of the flights by themselves, arc by arc, in units: without all constraints of a solution; `None`
+/// where the Hessian cannot be factorised.
+pub(super) fn errors_alone(
+    context: &SolveContext,
+    point: &Point,
+    system: &System,
+) -> Option<Vec<Residuals>> {
+    let (mut point, mut system) = (point.clone(), without_wishes(context, point, system));
+    let is_unseen = unseen(context, &system);
+    let mut factor = damped(context, &system)?;
+    for _ in 0..STEPS {
         let mut step = -&system.gradient;
         solve(context, &factor, &is_unseen, &mut step);
-        Some(Self {
-            step,
-            is_unseen,
-            errors: errors.to_vec(),
-            point: point.clone(),
-            system,
-            factor,
-        })
+        let promise = -0.5 * system.gradient.dot(&step);
+        if promise <= PROMISE * system.cost {
+            break;
+        }
+        let mut is_lower = false;
+        for _ in 0..=HALVINGS {
+            let mut there = point.clone();
+            context.retract(&point, &step, &mut there);
+            let of_there = context.evaluated(&Guidance::without_wishes(), &there);
+            if of_there.cost < system.cost {
+                (point, system, is_lower) = (there, of_there, true);
+                break;
+            }
+            step *= 0.5;
+        }
+        if !is_lower {
+            break;
+        }
+        factor = damped(context, &system)?;
     }
-
-    /// What a row of the constraints adds to its value on the way that is left.
-    pub(super) fn ahead(&self, derivative: &DVector<f64>) -> f64 {
-        derivative.dot(&self.step)
-    }
-
-    /// Whether the samples do not depend on an unknown.
-    pub(super) fn is_unseen(&self, unknown: usize) -> bool {
-        self.is_unseen[unknown]
-    }
-
-    /// `H⁻¹ b` in place, of what the objective depends on; zero for the rest.
-    pub(super) fn solve(&self, context: &SolveContext, b: &mut DVector<f64>) {
-        solve(context, &self.factor, &self.is_unseen, b);
-    }
+    Some(outcome::errors(context.problem, context, &point))
 }
 
 /// The system at a point without goals that have a weight, given that with them.

@@ -2,10 +2,10 @@
 //!
 //! A restitution says how long the flights beside a bounce last, and with that when it was. Where the scene keeps it
 //! fixed, deviations of times suppose that it is right: with `d`, the direction in which the motion follows a change of
-//! it ([`score`](super::score)), `dt/dθ` is the component of `d` at the event's time.
+//! it ([`direction`](super::direction)), `dt/dθ` is the component of `d` at the event's time.
 
-use super::score;
-use super::suspects::{Wider, unbounded};
+use super::direction;
+use super::wider::{Wider, unbounded};
 use crate::estimate::schedule::recipe::Solution;
 use crate::estimate::terms::context::{Guidance, SolveContext};
 use crate::motion::{Leaning, Performance, Quantity};
@@ -46,7 +46,7 @@ pub fn leanings(
         &point,
     );
     let system = extended.evaluated(&Guidance::none(), &point);
-    let directions = score::directions(&extended, &system, context, &kkt, wider.first);
+    let directions = direction::directions(&extended, &system, context, &kkt, wider.first);
     let of_event = |at: &Option<usize>| {
         let of_each = guesses
             .iter()

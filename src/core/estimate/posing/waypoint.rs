@@ -121,22 +121,6 @@ fn goal_links(goal: &Goal) -> impl Iterator<Item = LinkIndex> {
     own.into_iter().chain(other)
 }
 
-/// The flights that pass an event as a waypoint, or that its goals are about: none of another event.
-pub(in crate::estimate) fn flights(problem: &Problem, event: usize) -> Vec<usize> {
-    let own = problem.waypoints.iter().find(|of| of.event == event);
-    let Some(own) = own else {
-        return Vec::new();
-    };
-    let goals = problem.goals.iter().filter(|of| of.event == event);
-    let conditions = problem.conditions.iter().filter(|of| of.event == event);
-    let others = conditions.flat_map(|of| of.arcs.iter().copied());
-    let mut all: Vec<usize> = goals.map(|of| of.arc).chain(others).collect();
-    all.push(own.arc);
-    all.sort_unstable();
-    all.dedup();
-    all
-}
-
 /// Reach of the search on either side of a mark, in its standard deviations.
 const REACH_DEVIATIONS: f64 = 4.0;
 /// Greatest time and greatest angle that a body turns between two times that are tried \[s, rad\].

@@ -1,25 +1,19 @@
 //! A motion whose samples err in time: solved again with the errors of a hand that its residuals make likely, until these
 //! stay the same.
 
-use nalgebra::DMatrix;
-
 use super::{Posed, Solved, add};
 use crate::estimate::adequacy;
 use crate::estimate::covariance::bins::Residuals;
-use crate::estimate::covariance::linearised::{
-    LinearisedSolution, free_count, free_directions, is_too_free,
-};
+use crate::estimate::covariance::linearised::{InTime, free_count, is_too_free, likely};
 use crate::estimate::covariance::noise::mean_squares;
 use crate::estimate::posing::Nodes;
 use crate::estimate::problem::Problem;
 use crate::estimate::problem::influence::Influence;
 use crate::estimate::schedule::recipe::{self, Recipe, Solution};
-use crate::estimate::terms::context::Guidance;
 use crate::estimate::wander::likelihood::{self, LikelyErrors};
 use crate::estimate::wander::{Process, process};
 use crate::motion::{Observer, Performance, Performer, Timing, VelocityGaps};
-use crate::optimise::kkt::Kkt;
-use crate::optimise::{Program, Work};
+use crate::optimise::Work;
 
 /// How often errors are told from residuals.
 const ROUNDS: usize = 3;
@@ -152,7 +146,8 @@ fn refined(
             true => likelihood::APART_S,
             false => 0.0,
         };
-        let likely = likely(&woven, &found, epochs_s, &errors, apart_s);
+        let context = woven.context(epochs_s.to_vec(), &found.point);
+        let likely = likely(&context, &found, &errors, apart_s);
         best = Some((woven, found));
         let Some(likely) = likely else { break };
         let is_same = process::change(&errors.processes, &likely.processes) < SAME;
@@ -167,22 +162,14 @@ fn refined(
 /// The errors that a motion's residuals make likeliest where it was found without them; `None` where it may go along too many
 /// directions to tell.
 fn likely_at_start(posed: &Posed, start: &Solution, epochs_s: &[f64]) -> Option<LikelyErrors> {
-    let expected = LikelyErrors::of([Process::EXPECTED; 2]);
-    let woven = Posed::new(
-        posed
-            .problem
-            .woven(expected.processes, &start.point, epochs_s),
-    );
-    let context = woven.context(epochs_s.to_vec(), &start.point);
-    let system = context.evaluated(&Guidance::none(), &start.point);
-    if is_too_free(&context, &system) {
+    let context = posed.context(epochs_s.to_vec(), &start.point);
+    let in_time = InTime::new(&context, start);
+    let (context, start) = in_time.at(&context, start);
+    if is_too_free(&context, &start.system) {
         return None;
     }
-    let start = Solution {
-        system,
-        ..start.clone()
-    };
-    likely(&woven, &start, epochs_s, &expected, likelihood::APART_S)
+    let expected = LikelyErrors::of([Process::EXPECTED; 2]);
+    likely(&context, &start, &expected, likelihood::APART_S)
 }
 
 /// Whether residuals are about as great as their errors: told by few samples, these can be far off.
@@ -194,37 +181,4 @@ fn is_as_expected(posed: &Posed, solution: &Solution) -> bool {
     let left = (3 * kinds.sum::<usize>()) as f64 - free_count(&context, &solution.system) as f64;
     let ratio = 2.0 * solution.system.cost / left.max(1.0);
     (AS_EXPECTED.recip()..=AS_EXPECTED).contains(&ratio)
-}
-
-/// The errors that a motion's residuals make likeliest, of samples at least so far apart \[s\]; `None` where they tell nothing of
-/// them. Where the motion may go along too many directions, residuals are taken as they are, and made greater by what they lack
-/// for having been fitted.
-fn likely(
-    posed: &Posed,
-    solution: &Solution,
-    epochs_s: &[f64],
-    from: &LikelyErrors,
-    apart_s: f64,
-) -> Option<LikelyErrors> {
-    let (point, system) = (&solution.point, &solution.system);
-    let context = posed.context(epochs_s.to_vec(), point);
-    let kkt = Kkt::new(&context, system, &solution.multipliers)?;
-    let free = free_directions(&context, system, &kkt);
-    let none = || DMatrix::zeros(context.layout.size(), 0);
-    let is_told = free.is_some();
-    let directions = free.unwrap_or_else(none);
-    let count = directions.ncols();
-    // What many directions lack is told of all samples.
-    let kept_s = if is_told { apart_s } else { 0.0 };
-    let linearised = LinearisedSolution::new(&context, point, &directions, count, kept_s)?;
-    let restricted = linearised.restricted();
-    let mut likely = restricted.likely(from, apart_s)?;
-    if is_told {
-        return Some(likely);
-    }
-    let rows = (3 * restricted.rows.samples()) as f64;
-    let left = rows - free_count(&context, system) as f64;
-    let lacking = (rows / left.max(1.0)).sqrt();
-    likely.processes = likely.processes.map(|of| of.times(lacking));
-    Some(likely)
 }

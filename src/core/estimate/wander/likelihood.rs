@@ -119,13 +119,33 @@ impl Restricted<'_> {
         self.with(&found.likely().processes, [positions, orientations])
     }
 
+    /// The likeliest noise where nothing strays, from that which makes all that is left.
+    pub fn likeliest_noise(&self) -> Option<FittedErrors> {
+        self.likeliest(&[0, 1].map(|kind| {
+            let left = self.rows.residual_rms(kind);
+            Process {
+                noise_sd: match left > 0.0 {
+                    true => left,
+                    false => Process::EXPECTED.noise_sd,
+                },
+                ..Process::EXPECTED.without_wander()
+            }
+        }))
+    }
+
+    /// Searches among the numbers of the parts that are there, of kinds that are shown.
     fn search(&self, from: &LikelyErrors) -> Option<Search> {
-        let kinds: Vec<usize> = (0..2).filter(|kind| self.rows.shows(*kind)).collect();
+        let kinds = (0..2).filter(|kind| self.rows.shows(*kind));
+        let places = kinds.flat_map(|kind| {
+            let there = (0..Process::COUNT).filter(move |of| from.processes[kind].has(*of));
+            there.map(move |number| (kind, number))
+        });
+        let places: Vec<(usize, usize)> = places.collect();
+        let size = places.len();
+        let place = |at: usize| places[at];
         let mut logs = from.processes.map(|process| process.logs());
         let mut here = self.valued(&logs)?;
-        let size = Process::COUNT * kinds.len();
-        let place = |at: usize| (kinds[at / Process::COUNT], at % Process::COUNT);
-        let mut slope = self.slope(&logs, &here, &kinds);
+        let mut slope = self.slope(&logs, &here, size, &place);
         let known = from.inverse.clone().filter(|known| known.nrows() == size);
         let is_told = known.is_some();
         let mut inverse = match known {
@@ -164,7 +184,7 @@ impl Restricted<'_> {
             if gained < GAIN {
                 break;
             }
-            let slope_there = self.slope(&logs, &here, &kinds);
+            let slope_there = self.slope(&logs, &here, size, &place);
             update(&mut inverse, &step, &(&slope_there - &slope));
             slope = slope_there;
         }
@@ -193,12 +213,18 @@ impl Restricted<'_> {
         })
     }
 
-    /// Slope of the merit by every number of the kinds that are shown: with `x = A⁻¹ Jᵀ V⁻¹ r`, it changes by the products as
+    /// Slope of the merit by some numbers of the kinds that are shown: with `x = A⁻¹ Jᵀ V⁻¹ r`, it changes by the products as
     ///
     /// ```text
     /// tr (A⁻¹ dG_JJ) + yᵀ dG y,   y = (−x, 1)
     /// ```
-    fn slope(&self, logs: &[LogProcess; 2], here: &Likelihood, kinds: &[usize]) -> DVector<f64> {
+    fn slope(
+        &self,
+        logs: &[LogProcess; 2],
+        here: &Likelihood,
+        size: usize,
+        place: &dyn Fn(usize) -> (usize, usize),
+    ) -> DVector<f64> {
         let (free, last) = (self.free, self.rows.count() - 1);
         let mut direction = DVector::zeros(last + 1);
         direction.rows_mut(0, free).copy_from(&-&here.answer);
@@ -206,16 +232,18 @@ impl Restricted<'_> {
         let mut by_gram = &direction * direction.transpose();
         let mut own = by_gram.view_mut((0, 0), (free, free));
         own += here.information.inverse();
-        let mut slope = DVector::zeros(Process::COUNT * kinds.len());
-        for (at, kind) in kinds.iter().enumerate() {
-            let process = Process::of_logs(&logs[*kind]);
-            let of_rows = self.rows.slopes(*kind, &process, &by_gram, STEP);
-            let of_prior = penalty_slopes(&logs[*kind]);
-            for number in 0..Process::COUNT {
-                slope[Process::COUNT * at + number] = of_rows[number] + of_prior[number];
-            }
-        }
-        slope
+        let of_kinds = [0, 1].map(|kind| {
+            let is_shown = self.rows.shows(kind);
+            let process = Process::of_logs(&logs[kind]);
+            let of_rows = is_shown.then(|| self.rows.slopes(kind, &process, &by_gram, STEP));
+            let of_rows = of_rows.unwrap_or_default();
+            let of_prior = penalty_slopes(&logs[kind]);
+            std::array::from_fn::<f64, { Process::COUNT }, _>(|at| of_rows[at] + of_prior[at])
+        });
+        DVector::from_fn(size, |at, _| {
+            let (kind, number) = place(at);
+            of_kinds[kind][number]
+        })
     }
 
     /// Inverse second derivatives of the merit by each number alone.
@@ -306,16 +334,18 @@ impl Search {
     }
 }
 
-/// What numbers cost that are not as expected.
+/// What numbers cost that are not as expected; those of a part that is not there cost nothing.
 fn penalty(processes: &[Process; 2]) -> f64 {
     let expected = Process::EXPECTED.logs();
-    let of = |logs: &LogProcess| -> f64 {
-        let numbers = logs.iter().zip(&expected).zip(&SPREADS);
-        numbers
-            .map(|((log, mean), spread)| ((log - mean) / spread).powi(2))
+    let of = |process: &Process| -> f64 {
+        let logs = process.logs();
+        let numbers = logs.iter().zip(&expected).zip(&SPREADS).enumerate();
+        let there = numbers.filter(|(number, _)| process.has(*number));
+        there
+            .map(|(_, ((log, mean), spread))| ((log - mean) / spread).powi(2))
             .sum()
     };
-    processes.iter().map(|process| of(&process.logs())).sum()
+    processes.iter().map(of).sum()
 }
 
 /// Slopes of that by the logarithms of one process.
@@ -341,6 +371,7 @@ mod tests {
     use super::*;
     use crate::estimate::wander::filter::{Filter, Means, SampleInstant};
     use crate::estimate::wander::series::Series;
+    use crate::estimate::wander::wrong;
     use crate::math::random::Random;
     use crate::motion::TrackIndex;
 
@@ -440,7 +471,7 @@ mod tests {
             of.valued(&there).expect("a likelihood").merit
         };
         let here = of.valued(&logs).expect("a likelihood");
-        let slope = of.slope(&logs, &here, &[0]);
+        let slope = of.slope(&logs, &here, Process::COUNT, &|at| (0, at));
         for number in 0..Process::COUNT {
             let expected = (merit(number, 1e-4) - merit(number, -1e-4)) / 2e-4;
             let off = (slope[number] - expected).abs();
@@ -472,10 +503,26 @@ mod tests {
         }
     }
 
+    /// Looks at slopes alone, as long as there is time.
+    struct Patient(bool);
+
+    impl wrong::Looker for Patient {
+        fn should_stop(&mut self) -> bool {
+            self.0
+        }
+
+        fn tried(
+            &mut self,
+            near: wrong::WrongQuantity,
+            _: &FittedErrors,
+        ) -> Option<wrong::WrongQuantity> {
+            Some(near)
+        }
+    }
+
     /// A step that is kept fixed wrongly is told, and no other: of samples of noise, and of those of a hand.
     #[test]
     fn a_wrong_quantity_is_told_and_a_right_one_is_not() {
-        use crate::estimate::wander::wrong;
         let mut random = Random::default();
         for by in [0.0, 3.0] {
             let (series, mut columns) = drawn(&mut random, 120);
@@ -491,8 +538,10 @@ mod tests {
             let kept = [wrong::KeptQuantity {
                 typical: 1.0,
                 explains_least: 0.0,
+                room: [f64::NEG_INFINITY, f64::INFINITY],
             }];
-            let judged = wrong::judge(&of, &narrow, &kept, &mut || false).expect("time");
+            let mut looker = Patient(false);
+            let judged = wrong::judge(&of, &narrow, &kept, &mut looker).expect("time");
             assert!(judged.shows[0].is_finite());
             let changes: Vec<f64> = judged.wrong.iter().map(|of| of.change).collect();
             match by > 0.0 {
@@ -502,7 +551,7 @@ mod tests {
                 ),
                 false => assert!(changes.is_empty(), "{changes:?}"),
             }
-            let stopped = wrong::judge(&of, &narrow, &kept, &mut || true);
+            let stopped = wrong::judge(&of, &narrow, &kept, &mut Patient(true));
             assert!(stopped.is_none() || by == 0.0);
         }
     }

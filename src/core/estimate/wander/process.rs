@@ -28,12 +28,42 @@ pub struct Process {
     pub noise_sd: f64,
 }
 
+/// Least standard deviation of the white part, in units of residuals: what numbers in files are rounded to.
+const LEAST_NOISE: f64 = 1e-6;
+
 /// The logarithm of each number of a [`Process`], in the order of its fields.
 pub type LogProcess = [f64; Process::COUNT];
 
 impl Process {
     /// Number of its numbers.
     pub const COUNT: usize = 5;
+
+    /// The same of which nothing strays.
+    pub fn without_wander(&self) -> Self {
+        let nothing = f64::MIN_POSITIVE.sqrt();
+        Self {
+            smooth_sd: nothing,
+            rough_sd: nothing,
+            ..*self
+        }
+    }
+
+    /// Whether it has a part that strays.
+    pub fn wanders(&self) -> bool {
+        self.has(0) || self.has(2)
+    }
+
+    /// Whether a number, by its place in [`LogProcess`], is of a part that is there.
+    pub fn has(&self, number: usize) -> bool {
+        let size = [
+            self.smooth_sd,
+            self.smooth_sd,
+            self.rough_sd,
+            self.rough_sd,
+            self.noise_sd,
+        ][number];
+        size > f64::MIN_POSITIVE.powf(0.25)
+    }
 
     /// The same with all sizes so many times as great.
     pub fn times(&self, factor: f64) -> Self {
@@ -74,7 +104,7 @@ impl Process {
             smooth_s,
             rough_sd,
             rough_s,
-            noise_sd,
+            noise_sd: noise_sd.max(LEAST_NOISE),
         }
     }
 

@@ -157,6 +157,19 @@ impl SeriesRows {
         of_kind.map(|of| of.unit).fold(0.0, f64::max)
     }
 
+    /// Root mean square of the residuals of a kind, along an axis, in units; zero where none are seen.
+    pub fn residual_rms(&self, kind: usize) -> f64 {
+        let of_kind = self.series.iter().filter(|of| of.kind == kind);
+        let samples = of_kind.flat_map(|of| of.numbers.chunks_exact(3 * self.count));
+        let (mut square, mut rows) = (0.0, 0.0_f64);
+        for numbers in samples {
+            let three = &numbers[3 * (self.count - 1)..];
+            square += three.iter().map(|number| number * number).sum::<f64>();
+            rows += 3.0;
+        }
+        (square / rows.max(1.0)).sqrt()
+    }
+
     /// Slopes, by the logarithm of each number of such a process, of a function of the products of the samples of one kind and
     /// of their `ln |V|`: with its slopes `by_gram` by the products, a symmetric matrix, and one by `ln |V|`. Gains and
     /// variances change by differences with a step of the logarithms, all else exactly.

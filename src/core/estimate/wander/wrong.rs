@@ -14,6 +14,8 @@ use super::process::Process;
 pub const WRONG: f64 = 4.0;
 /// where the logarithm of the odds that it is exceeds this.
 const ODDS: f64 = 4.5;
+/// Logarithm of the odds within which two are not told apart: of twenty.
+const ALIKE: f64 = 3.0;
 /// Deviations beyond which one is tried, at the errors told with all fixed,
 const TRIED: f64 = 2.0;
 /// and at noise alone, which takes no misfit for a wander.
@@ -28,6 +30,17 @@ pub struct KeptQuantity {
     pub typical: f64,
     /// Share of the wander's variance that has to go with it if it is wrong.
     pub explains_least: f64,
+    /// By how much it may change at most, down and up.
+    pub room: [f64; 2],
+}
+
+/// How quantities are looked at.
+pub trait Looker {
+    /// Whether there is no time for another one.
+    fn should_stop(&mut self) -> bool;
+
+    /// What a quantity explains, from what it does by its slope, beside what follows where none is free.
+    fn tried(&mut self, near: WrongQuantity, fixed: &FittedErrors) -> Option<WrongQuantity>;
 }
 
 /// A quantity that is wrong.
@@ -41,15 +54,13 @@ pub struct WrongQuantity {
     pub deviations: f64,
     /// Logarithm of the odds that it is, if it may be off by a typical change.
     pub log_odds: f64,
-    /// Share of the wander's variance that goes with it.
+    /// Share of the wander's variance that goes with it, or where nothing strays, of the noise's.
     pub explains: f64,
 }
 
 /// What a motion's samples say of quantities that are kept fixed.
 #[derive(Clone, Debug)]
 pub struct Judgement {
-    /// What follows where no hand strayed.
-    pub by_noise: FittedErrors,
     /// Those that are wrong, the likeliest first.
     pub wrong: Vec<WrongQuantity>,
     /// Of each the change that would show, infinite where none would.
@@ -62,7 +73,7 @@ pub fn judge(
     of: &Restricted,
     fitted: &FittedErrors,
     kept: &[KeptQuantity],
-    should_stop: &mut dyn FnMut() -> bool,
+    looker: &mut dyn Looker,
 ) -> Option<Judgement> {
     let last = kept.len();
     let score = |of: &FittedErrors, index: usize| {
@@ -82,7 +93,7 @@ pub fn judge(
         best.sort_by(|a, b| b.1.total_cmp(&a.1));
         best.into_iter().map(|(index, _)| index).take(TRIALS)
     };
-    let by_noise = of.at(&without_wander(&fitted.processes));
+    let by_noise = of.at(&fitted.processes.map(|of| of.without_wander()));
     let by_noise = by_noise.unwrap_or_else(|| fitted.clone());
     let mut tried: Vec<usize> = best(fitted, TRIED)
         .chain(best(&by_noise, TRIED_BY_NOISE))
@@ -90,26 +101,37 @@ pub fn judge(
     tried.sort_unstable();
     tried.dedup();
     let mut wrong = Vec::new();
-    let rows = of.rows.thinned(APART_S);
+    let wanders = fitted.processes.iter().any(Process::wanders);
+    // Of noise every sample tells.
+    let rows = of.rows.thinned(if wanders { APART_S } else { 0.0 });
     let thin = Restricted { rows: &rows, ..*of };
     let fixed = (!tried.is_empty()).then(|| thin.likeliest(&fitted.processes));
     if let Some(fixed) = fixed.flatten() {
         for index in tried {
-            if should_stop() {
+            if looker.should_stop() {
                 return None;
             }
-            let one = with_one(&thin, &fixed, index, kept[index].typical);
+            let of = &kept[index];
+            let near = with_one(&thin, &fixed, index, of.typical);
+            let one = near.and_then(|near| looker.tried(near, &fixed));
             wrong.extend(one.filter(|one| {
-                let is_likely = one.deviations.abs() > WRONG && one.log_odds > ODDS;
-                is_likely && one.explains >= kept[index].explains_least
+                // What would have to leave what is physical explains nothing.
+                let may_be = one.change.clamp(of.room[0], of.room[1]) != 0.0;
+                may_be && one.explains >= of.explains_least
             }));
         }
     }
     wrong.sort_by(|a: &WrongQuantity, b| b.log_odds.total_cmp(&a.log_odds));
+    let is_likely = |one: &WrongQuantity| one.deviations.abs() > WRONG && one.log_odds > ODDS;
+    let best = wrong.iter().copied().find(is_likely);
+    wrong.retain(|one| {
+        // What explains nearly as well is not told from it.
+        let is_alike = best.is_some_and(|best| one.log_odds > best.log_odds - ALIKE);
+        is_likely(one) || is_alike
+    });
     Some(Judgement {
         wrong,
         shows: shows.collect(),
-        by_noise,
     })
 }
 
@@ -134,24 +156,19 @@ fn with_one(
     };
     let fitted = with.likeliest(&fixed.processes)?;
     let change = -fitted.answer[free];
-    let wander = |of: &FittedErrors| -> f64 {
+    let strayed = |of: &FittedErrors| -> f64 {
         let kinds = (0..2).filter(|kind| rows.shows(*kind));
-        kinds.map(|kind| of.processes[kind].wander_variance()).sum()
+        let each = kinds.map(|kind| match &of.processes[kind] {
+            process if process.wanders() => process.wander_variance(),
+            process => process.noise_sd.powi(2),
+        });
+        each.sum()
     };
     Some(WrongQuantity {
         index,
         change,
         deviations: change / fitted.deviation(free),
         log_odds: 0.5 * (fixed.merit - fitted.merit) - typical.ln(),
-        explains: (1.0 - wander(&fitted) / wander(fixed)).clamp(0.0, 1.0),
-    })
-}
-
-/// The errors of a motion of which no hand strayed: the same without their wander.
-pub fn without_wander(processes: &[Process; 2]) -> [Process; 2] {
-    processes.map(|of| Process {
-        smooth_sd: f64::MIN_POSITIVE.sqrt(),
-        rough_sd: f64::MIN_POSITIVE.sqrt(),
-        ..of
+        explains: (1.0 - strayed(&fitted) / strayed(fixed)).clamp(0.0, 1.0),
     })
 }

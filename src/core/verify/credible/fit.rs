@@ -105,7 +105,7 @@ pub(super) fn doubts(
     };
     doubts.extend(fall(&alone, least_m));
     // The errors of a hand were told with gravity free, too.
-    let is_of_hand = (estimate.fit.as_ref()).is_ok_and(|fit| fit.whole.is_some());
+    let is_of_hand = (estimate.fit.as_ref()).is_ok_and(|fit| fit.is_of_hand);
     let direction = direction(estimate, &alone, least_m);
     doubts.extend(direction.filter(|_| !(is_of_hand && is_explained)));
     doubts

@@ -1,44 +1,26 @@
 //! How certain a motion is: deviations of its events' times, of its duration, and of all that is a function of its
 //! unknowns.
 //!
-//! At the optimum the unknowns respond to errors `n` of samples and priors by `−P Jᵀ n` with `P = Z (Zᵀ JᵀJ Z)⁻¹ Zᵀ`, so that
-//! `m·u` has the variance `yᵀ Σ y`, `y = J P m` (the sandwich, as of bodies by themselves:
-//! [`covariance`](crate::estimate::covariance)), with the errors' covariance `Σ` as the [residuals](super::errors) show it.
+//! Along a basis `Z` of what rows leave free the information is `A = (J Z)ᵀ V⁻¹ J Z`, with the errors' covariance `V`, so that
+//! `m·u` has the variance `(Zᵀ m)ᵀ A⁻¹ Zᵀ m`.
 
-use nalgebra::{Cholesky, DVector, Dyn};
+use nalgebra::DVector;
 
-use super::errors::{Left, regularise};
 use super::linearised::Linearised;
 use crate::estimate::tree::program::REGULARISER;
 
-/// Greatest share of what is known of a sum of unknowns that is from it, or nothing tells that.
+/// Greatest share of what is known of a sum of unknowns that is from the regulariser, or nothing tells that.
 const REGULARISER_MOST: f64 = 0.1;
 
 /// Deviations at an optimum.
 pub(in crate::estimate::tree) struct Certainty<'s> {
     of: Linearised<'s>,
-    /// Under each model of errors, where each sample errs by itself.
-    left: Vec<Left>,
-    factor: Cholesky<f64, Dyn>,
 }
 
 impl<'s> Certainty<'s> {
     /// At a solution; `None` where something there is no number.
     pub(in crate::estimate::tree) fn new(of: Linearised<'s>) -> Option<Self> {
-        let information = of.problem.information.0;
-        let Some(errors) = &of.errors else {
-            let fitted = of.at(&of.problem.errors?)?;
-            return Some(Self {
-                of,
-                left: Vec::new(),
-                factor: fitted.information,
-            });
-        };
-        let left = errors.left(&of.held.free, &[][..], &of.linear.residuals, information);
-        let mut square = of.held.free.tr_mul(&of.held.free);
-        regularise(&mut square, information);
-        let factor = square.cholesky()?;
-        (!left.is_empty()).then_some(Self { of, left, factor })
+        of.told().is_some().then_some(Self { of })
     }
 
     /// Standard deviation of a sum of unknowns, each with a factor; `None` where neither samples nor priors tell it.
@@ -48,19 +30,10 @@ impl<'s> Certainty<'s> {
             sum[*unknown] += factor;
         }
         let free = self.of.held.basis.tr_mul(&sum);
-        let answer = self.factor.solve(&free);
-        let Some(errors) = &self.of.errors else {
-            // The weights are those of the errors.
-            let variance = free.dot(&answer);
-            let held = REGULARISER * self.of.problem.information.0 * answer.norm_squared();
-            return (held <= REGULARISER_MOST * variance).then(|| variance.max(0.0).sqrt());
-        };
-        let response = &self.of.held.free * &answer;
-        let (own, seen) = (free.dot(&answer), response.norm_squared());
+        let answer = self.of.told()?.information.solve(&free);
+        let variance = free.dot(&answer);
+        let held = REGULARISER * self.of.problem.information.0 * answer.norm_squared();
         // Written so that what is no number is not told.
-        if !(own - seen <= REGULARISER_MOST * own) {
-            return None;
-        }
-        Some(errors.variance(&self.left, &response).max(0.0).sqrt())
+        (held <= REGULARISER_MOST * variance).then(|| variance.max(0.0).sqrt())
     }
 }

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::{RATE_SD_RAD_S, TreeProblem};
-use crate::estimate::tree::program::{Part, REGULARISER, TreeProgram};
+use crate::estimate::tree::program::{Part, TreeProgram};
 use crate::estimate::tree::sample::Residual;
 use crate::estimate::wander::series::Series;
 use crate::math::span::Span;
@@ -33,8 +33,6 @@ pub(super) struct Linear {
     pub(super) series: Vec<Series>,
     /// `r` of samples, then of priors; in units.
     pub(super) residuals: DVector<f64>,
-    /// Number of rows of the prior of rates, the first after those of samples.
-    pub(super) rate_rows: usize,
     /// `J`.
     by: DMatrix<f64>,
     /// `c` and `C` of the rows that act.
@@ -52,6 +50,13 @@ pub(super) struct HeldDirections {
     pub(super) basis: DMatrix<f64>,
     /// `B (C B)⁺`.
     along_rows: DMatrix<f64>,
+}
+
+impl HeldDirections {
+    /// What the motion follows of a change, per unit, so that rows still hold: `B y_θ`.
+    pub(super) fn follow(&self, change: &LinearChange) -> DVector<f64> {
+        -(&self.along_rows * &change.rows)
+    }
 }
 
 /// What changes with a quantity.
@@ -146,7 +151,6 @@ impl Linear {
         let linear = Self {
             series,
             residuals: DVector::from_vec(values),
-            rate_rows: turning(problem).count(),
             by,
             rows: DVector::from_iterator(acting.len(), acting.iter().map(|row| off[*row])),
             rows_by,
@@ -167,15 +171,6 @@ impl Linear {
         &self.rows
     }
 
-    /// The residuals with what the prior holds of rates as if it expected them as they are: a body that whirls is no misfit.
-    pub(super) fn of_samples(&self) -> DVector<f64> {
-        let mut residuals = self.residuals.clone();
-        residuals
-            .rows_mut(self.sample_rows(), self.rate_rows)
-            .fill(0.0);
-        residuals
-    }
-
     /// Number of rows of samples.
     pub(super) fn sample_rows(&self) -> usize {
         3 * self.series.iter().map(|of| of.rows.len()).sum::<usize>()
@@ -188,18 +183,6 @@ impl Linear {
             rows.map(|row| self.residuals.rows(*row, 3).norm_squared())
                 .sum()
         })
-    }
-
-    /// The greatest root mean square of a series, in weights of its samples.
-    pub(super) fn rms_in_weights(&self) -> f64 {
-        let each = self.series.iter().map(|of| {
-            let rows = of.rows.iter();
-            let sum: f64 = rows
-                .map(|row| self.residuals.rows(*row, 3).norm_squared())
-                .sum();
-            (sum / of.rows.len() as f64).sqrt()
-        });
-        each.fold(0.0, f64::max)
     }
 
     /// What holds the motion.
@@ -226,37 +209,7 @@ impl Linear {
 
     /// `u` of a quantity.
     pub(super) fn total(&self, held: &HeldDirections, change: &LinearChange) -> DVector<f64> {
-        &change.residuals - &self.by * (&held.along_rows * &change.rows)
-    }
-
-    /// The step of Gauss and Newton in the unknowns, and in a quantity with this change; `anchor` holds what nothing
-    /// tells. `None` where nothing tells the quantity.
-    pub(super) fn step(
-        &self,
-        change: &LinearChange,
-        information: f64,
-    ) -> Option<(DVector<f64>, f64)> {
-        let held = self.held();
-        let to_rows = -&held.along_rows * &self.rows;
-        let residuals = &self.residuals + &self.by * &to_rows;
-        let total = self.total(&held, change);
-        let free = held.free.ncols();
-        let mut columns = held.free.clone().insert_column(free, 0.0);
-        columns.set_column(free, &total);
-        let mut normal = columns.tr_mul(&columns);
-        for at in 0..free {
-            normal[(at, at)] += REGULARISER * information;
-        }
-        let answer = -normal.cholesky()?.solve(&columns.tr_mul(&residuals));
-        let by = answer[free];
-        let step =
-            to_rows + &held.basis * answer.rows(0, free) - &held.along_rows * &change.rows * by;
-        Some((step, by))
-    }
-
-    /// Half the squares of all residuals, and by how much rows do not hold, in units.
-    pub(super) fn merit(&self) -> (f64, f64) {
-        (0.5 * self.residuals.norm_squared(), self.rows.lp_norm(1))
+        &change.residuals + &self.by * held.follow(change)
     }
 
     /// The change of a quantity from two motions that differ in it alone, by so much.

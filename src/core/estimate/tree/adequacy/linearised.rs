@@ -1,24 +1,20 @@
 //! A solution, linearised, with what its samples show of their errors: what is judged of a motion, and how certain it is,
 //! are told by the same.
 
+use std::cell::OnceCell;
+
 use nalgebra::{DMatrix, DVector};
 
-use super::errors::TreeErrors;
 use super::linear::{HeldDirections, Linear};
-use super::odds;
-use crate::estimate::adequacy::is_beyond_noise;
+use crate::estimate::adequacy::asked::NoiseAlone;
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::TreeProblem;
 use crate::estimate::tree::program::REGULARISER;
 use crate::estimate::wander::Process;
 use crate::estimate::wander::likelihood::{FittedErrors, Restricted};
 use crate::estimate::wander::series::SeriesRows;
-use crate::estimate::wander::wrong::without_wander;
 use crate::optimise::Solution;
 use crate::optimise::active::ActiveSet;
-
-/// How many residuals beyond what the motion may follow tell whether they are greater than noise.
-const TELLING: f64 = 20.0;
 
 /// A solution and what is told of it.
 pub(in crate::estimate::tree) struct Linearised<'s> {
@@ -26,9 +22,8 @@ pub(in crate::estimate::tree) struct Linearised<'s> {
     pub(super) point: &'s TreePoint,
     pub(super) active: ActiveSet,
     pub(super) linear: Linear,
-    /// What errors may be where each sample errs by itself.
-    pub(super) errors: Option<TreeErrors>,
     pub(super) held: HeldDirections,
+    told: OnceCell<Option<FittedErrors>>,
 }
 
 impl<'s> Linearised<'s> {
@@ -47,10 +42,10 @@ impl<'s> Linearised<'s> {
         Some(Self {
             problem,
             point,
-            errors: problem.errors.is_none().then(|| TreeErrors::new(&linear)),
             held: linear.held(),
             active,
             linear,
+            told: OnceCell::new(),
         })
     }
 
@@ -61,17 +56,15 @@ impl<'s> Linearised<'s> {
         self.restricted(&rows, &priors).fitted(from)
     }
 
-    /// Whether residuals are greater than the noise of the likeliest errors makes them, by more than chance.
+    /// Whether noise alone does not explain the residuals.
     pub(in crate::estimate::tree) fn shows_hand(&self) -> bool {
         let columns = self.columns(&[]);
         let (rows, priors) = self.rows(&columns);
         let restricted = self.restricted(&rows, &priors);
-        let fitted = restricted.fitted(&[Process::EXPECTED; 2]);
-        let noise = fitted.and_then(|of| restricted.at(&without_wander(&of.processes)));
-        let freedom = (3 * rows.samples()) as f64 - restricted.free as f64;
-        noise.is_some_and(|noise| {
-            freedom >= TELLING && is_beyond_noise(noise.left[(0, 0)], 1.0, freedom)
-        })
+        let alone = self
+            .told()
+            .and_then(|told| NoiseAlone::of(&restricted, told));
+        alone.is_some_and(|alone| !alone.explains())
     }
 
     /// Derivatives along what rows leave free, then further columns, then residuals.
@@ -110,25 +103,21 @@ impl<'s> Linearised<'s> {
         }
     }
 
-    /// Logarithm of the likelihood of the samples, over all models of their errors; `None` where there is none.
+    /// Logarithm of the likelihood of the samples; `None` where there is none.
     pub(in crate::estimate::tree) fn evidence(&self) -> Option<f64> {
-        let Some(errors) = &self.errors else {
-            let fitted = self.at(&self.problem.errors?)?;
-            return Some(-0.5 * fitted.merit);
-        };
-        let left = errors.left(
-            &self.held.free,
-            &[][..],
-            &self.linear.residuals,
-            self.problem.information.0,
-        );
-        (!left.is_empty()).then(|| odds::evidence(&left))
+        self.told().map(|fitted| -0.5 * fitted.merit)
     }
 
-    /// What follows of such errors of samples that err in time.
-    pub(super) fn at(&self, errors: &[Process; 2]) -> Option<FittedErrors> {
-        let columns = self.columns(&[]);
-        let (rows, priors) = self.rows(&columns);
-        self.restricted(&rows, &priors).at(errors)
+    /// What follows of the errors with which the motion was found, or where each sample was weighed by itself, of the likeliest.
+    pub(super) fn told(&self) -> Option<&FittedErrors> {
+        let told = || match &self.problem.errors {
+            Some(errors) => {
+                let columns = self.columns(&[]);
+                let (rows, priors) = self.rows(&columns);
+                self.restricted(&rows, &priors).at(errors)
+            }
+            None => self.fitted(&[Process::EXPECTED; 2]),
+        };
+        self.told.get_or_init(told).as_ref()
     }
 }

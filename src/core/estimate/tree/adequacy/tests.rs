@@ -196,7 +196,8 @@ fn a_linearised_motion_is_what_the_program_evaluates() {
     let linear = Linear::new(&problem, &point, &active).expect("a motion");
     let anchor = TreeProgram::new(&problem, point.clone());
     let system = anchor.evaluated(&Part::whole(), &point);
-    assert!((linear.merit().0 - system.cost).abs() < 1e-9 * system.cost);
+    let cost = 0.5 * linear.residuals.norm_squared();
+    assert!((cost - system.cost).abs() < 1e-9 * system.cost);
     let held = linear.held();
     let moved = |step: &DVector<f64>| {
         let mut there = point.clone();
@@ -225,12 +226,21 @@ fn a_linearised_motion_is_what_the_program_evaluates() {
     );
     let by = by.expect("a motion");
     assert!(by.rows.amax() > 1.0, "{}", by.rows);
-    let (step, along) = linear.step(&by, problem.information.0).expect("a step");
     let share = 1e-5;
-    let with = problem.with(&scene, (quantity, scene.value_of(quantity) + share * along));
-    let mut there = point.clone();
-    point.retract(&problem, &(step * share), &mut there);
-    let there = Linear::new(&with.expect("a scene"), &there, &active).expect("a motion");
-    let left = there.rows() - linear.rows() * (1.0 - share);
-    assert!(left.amax() < 1e-3 * share * linear.rows().amax(), "{left}");
+    let moved = |by_quantity: f64| {
+        let value = scene.value_of(quantity) + by_quantity;
+        let with = problem.with(&scene, (quantity, value)).expect("a scene");
+        let mut there = point.clone();
+        point.retract(&problem, &(held.follow(&by) * by_quantity), &mut there);
+        Linear::new(&with, &there, &active).expect("a motion")
+    };
+    let change = Linear::change(&moved(-share), &moved(share), 2.0 * share);
+    assert!(
+        change.rows.amax() < 1e-3 * by.rows.amax(),
+        "{}",
+        change.rows
+    );
+    let total = linear.total(&held, &by);
+    let off = (change.residuals - &total).amax();
+    assert!(off < 1e-3 * (1.0 + total.amax()), "{off}");
 }

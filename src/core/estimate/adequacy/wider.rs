@@ -8,17 +8,16 @@ use crate::estimate::unknowns::point::Point;
 use crate::motion::{FreeParameter, Performance, Quantity, Scene};
 
 /// A problem with more parameters than that of a solution.
-pub(in crate::estimate::adequacy) struct Wider {
-    pub(in crate::estimate::adequacy) problem: Problem,
-    pub(in crate::estimate::adequacy) layout: Layout,
-    /// The first of them among the parameters,
-    pub(in crate::estimate::adequacy) first: usize,
-    /// and all.
-    pub(in crate::estimate::adequacy) added: Vec<FreeParameter>,
+pub(super) struct Wider {
+    pub(super) problem: Problem,
+    pub(super) layout: Layout,
+    /// The first of them among the parameters.
+    pub(super) first: usize,
+    added: Vec<FreeParameter>,
 }
 
 /// A quantity set free without bounds, whose rows the solution's multipliers do not have.
-pub(in crate::estimate::adequacy) fn unbounded(scene: &Scene, quantity: Quantity) -> FreeParameter {
+pub(super) fn unbounded(scene: &Scene, quantity: Quantity) -> FreeParameter {
     FreeParameter {
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,
@@ -27,7 +26,7 @@ pub(in crate::estimate::adequacy) fn unbounded(scene: &Scene, quantity: Quantity
 }
 
 impl Wider {
-    pub(in crate::estimate::adequacy) fn new(
+    pub(super) fn new(
         context: &SolveContext,
         performance: Performance,
         added: Vec<FreeParameter>,
@@ -54,15 +53,8 @@ impl Wider {
         }
     }
 
-    /// A point without the added parameters.
-    pub(in crate::estimate::adequacy) fn narrowed(&self, wide: &Point) -> Point {
-        let mut point = wide.clone();
-        point.parameters.truncate(self.first);
-        point
-    }
-
     /// A point of the narrower problem, with the added parameters as they begin.
-    pub(in crate::estimate::adequacy) fn point(&self, narrow: &Point) -> Point {
+    pub(super) fn point(&self, narrow: &Point) -> Point {
         let mut point = narrow.clone();
         let initial = self.added.iter().map(|free| free.initial);
         point.parameters.extend(initial);

@@ -1,0 +1,256 @@
+//! Whether a motion explains a performance, and which quantity that the scene keeps fixed is wrong: the same of bodies by
+//! themselves and of joined ones.
+//!
+//! Errors are a process that takes any size, so that what is left is always explained by some hand. A wrong scene shows where
+//! one quantity explains it better ([`wrong`]), where the hand would have strayed farther than any does, and where there was
+//! none.
+
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::trial::Trials;
+use crate::estimate::wander::Process;
+use crate::estimate::wander::likelihood::{FittedErrors, Restricted};
+use crate::estimate::wander::wrong::{self, Judgement, KeptQuantity, Looker, WrongQuantity};
+use crate::motion::{Fit, FitUntold, Fits, Observer, Quantity, Scene, Suspect, Tested};
+
+/// Above this probability of the data under white noise they fit without a wander,
+const WELL: f64 = 1e-3;
+/// and below this one nothing else explains them where there was no hand.
+const NOT: f64 = 1e-9;
+/// A hand that strays farther than this, in units of the scene's weights, is none.
+const FAR: f64 = 10.0;
+/// Share of the wander that has to go with what a hand that drifts steadily is like.
+const DRIFT: f64 = 0.5;
+/// Of a link's length, how far elsewhere a joint must show for a motion to be said to fit.
+const SHOWN_SHARE: f64 = 0.1;
+/// Greatest number of suspects.
+const MOST: usize = 4;
+/// Least number of residuals beyond what the motion may follow: three for each number of a process.
+const LEAST_FREEDOM: usize = 3 * Process::COUNT;
+
+/// How a quantity is looked at: a hand that drifts steadily is like a clock that is slow, another gravity or drag, but its
+/// wander stays where one of them is free.
+fn kept(scene: &Scene, quantity: Quantity) -> KeptQuantity {
+    let is_like_drift = matches!(
+        quantity,
+        Quantity::ClockRate { .. }
+            | Quantity::ClockOffset { .. }
+            | Quantity::Gravity { .. }
+            | Quantity::Force { .. }
+            | Quantity::LinearDrag { .. }
+            | Quantity::QuadraticDrag { .. }
+    );
+    KeptQuantity {
+        typical: quantity.typical(),
+        explains_least: if is_like_drift { DRIFT } else { 0.0 },
+        room: quantity
+            .limits()
+            .map(|limit| limit - scene.value_of(quantity)),
+    }
+}
+
+/// What is asked of a motion.
+pub(in crate::estimate) struct Asked<'a> {
+    /// What is said to be true.
+    pub(in crate::estimate) scene: &'a Scene,
+    /// What it keeps fixed, in the order of the columns.
+    pub(in crate::estimate) quantities: &'a [Quantity],
+    /// Root mean square residual: position \[m\], orientation \[rad\].
+    pub(in crate::estimate) joint: [f64; 2],
+    /// Whether what rests explains its samples better.
+    pub(in crate::estimate) is_far: bool,
+    /// Who may have strayed.
+    pub(in crate::estimate) strayed: Strayed,
+    /// Trials of quantities, of bodies by themselves.
+    pub(in crate::estimate) trials: Option<Trials<'a>>,
+}
+
+struct AskedLooker<'a> {
+    asked: &'a Asked<'a>,
+    trials: Option<&'a Trials<'a>>,
+    observer: &'a mut dyn Observer,
+}
+
+impl Looker for AskedLooker<'_> {
+    fn should_stop(&mut self) -> bool {
+        self.observer.should_stop()
+    }
+
+    fn tried(&mut self, near: WrongQuantity, fixed: &FittedErrors) -> Option<WrongQuantity> {
+        let Some(trials) = self.trials else {
+            return Some(near);
+        };
+        let quantity = self.asked.quantities[near.index];
+        trials.tried(quantity, &near, fixed, self.observer)
+    }
+}
+
+/// What samples err by beside noise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::estimate) enum Strayed {
+    /// A hand, with whose errors the motion was found.
+    Hand,
+    /// Perhaps a hand: each sample was weighed by itself.
+    MaybeHand,
+    /// No hand: flights by themselves show none.
+    NoHand,
+    /// A tracker alone: the scene says that there was no hand.
+    Tracker,
+}
+
+impl Asked<'_> {
+    /// The answer, and what is suspected.
+    pub(in crate::estimate) fn judged(
+        &self,
+        of: &Restricted,
+        fitted: &FittedErrors,
+        observer: &mut dyn Observer,
+    ) -> Result<(Fit, Vec<Suspect>), FitUntold> {
+        let each = self.quantities.iter();
+        let kept: Vec<KeptQuantity> = each.map(|of| kept(self.scene, *of)).collect();
+        let alone = NoiseAlone::of(of, fitted).ok_or(FitUntold::FewSamples)?;
+        let (by_noise, is_noise) = (alone.test, alone.explains());
+        // What noise explains is not taken for a wander, nor what a hand left that did not stray in flight.
+        let told = match is_noise || self.strayed == Strayed::NoHand {
+            true => &alone.fitted,
+            false => fitted,
+        };
+        // What is far off is looked at where nothing else may be left: neither a hand's wander, nor noise.
+        let is_misfit = !is_noise && self.strayed == Strayed::NoHand;
+        let mut looker = AskedLooker {
+            asked: self,
+            trials: self.trials.as_ref().filter(|_| is_misfit),
+            observer,
+        };
+        let judgement = wrong::judge(of, told, &kept, &mut looker);
+        let judgement = judgement.ok_or(FitUntold::Stopped)?;
+        // A tracker's slow errors are as large as the scene says.
+        let is_as_said = self.strayed == Strayed::Tracker && self.is_within_weights(of);
+        let suspects = match is_as_said {
+            true => Vec::new(),
+            false => self.suspects(&judgement),
+        };
+        let fits = match () {
+            () if !suspects.is_empty() || self.is_far => Fits::No,
+            () if is_as_said => Fits::Yes,
+            () if self.strayed == Strayed::Tracker || is_no_hand(of, told) => Fits::No,
+            () if self.strayed == Strayed::NoHand && by_noise.probability < NOT => Fits::No,
+            () if self.strayed == Strayed::NoHand && !is_noise => Fits::Unknown,
+            () if self.hides_joints(&judgement) => Fits::Unknown,
+            () => Fits::Yes,
+        };
+        let each = self.quantities.iter().zip(&judgement.shows);
+        let joints = each.clone().filter_map(|(quantity, shows)| {
+            let is_place = matches!(quantity, Quantity::JointPlace { .. });
+            is_place.then_some(*shows)
+        });
+        let noise = if is_noise { &alone.fitted } else { fitted };
+        let fit = Fit {
+            fits,
+            joint: self.joint,
+            noise: [0, 1]
+                .map(|kind| 3_f64.sqrt() * noise.processes[kind].noise_sd * of.rows.unit(kind)),
+            by_noise,
+            is_noise,
+            is_of_hand: self.strayed == Strayed::Hand,
+            shown_m: joints.reduce(f64::max),
+            untold: each
+                .filter(|(_, shows)| shows.is_infinite())
+                .map(|(quantity, _)| *quantity)
+                .collect(),
+        };
+        Ok((fit, suspects))
+    }
+
+    /// Whether residuals are not greater than the scene's weights say.
+    fn is_within_weights(&self, of: &Restricted) -> bool {
+        let mut kinds = (0..2).filter(|kind| of.rows.shows(*kind));
+        kinds.all(|kind| self.joint[kind] <= 3_f64.sqrt() * of.rows.unit(kind))
+    }
+
+    /// Whether a joint that is elsewhere by more than a share of its link would not show.
+    fn hides_joints(&self, judgement: &Judgement) -> bool {
+        let each = self.quantities.iter().zip(&judgement.shows);
+        let mut shares = each.filter_map(|(quantity, shows_m)| match quantity {
+            Quantity::JointPlace { child, .. } => {
+                Some(shows_m / (2.0 * self.scene.links[*child].radius_m()))
+            }
+            _ => None,
+        });
+        shares.any(|share| share > SHOWN_SHARE)
+    }
+
+    /// What is wrong.
+    fn suspects(&self, judgement: &Judgement) -> Vec<Suspect> {
+        let each = judgement.wrong.iter().map(|wrong| {
+            let quantity = self.quantities[wrong.index];
+            let [lower, upper] = quantity.limits();
+            let value = (self.scene.value_of(quantity) + wrong.change).clamp(lower, upper);
+            Suspect {
+                values: vec![(quantity, value)],
+                explains: wrong.explains,
+                gain: 2.0 * wrong.log_odds,
+                probability: (-wrong.log_odds).exp(),
+            }
+        });
+        together(each.collect())
+    }
+}
+
+/// Whether errors are slow ones that are greater than any of a hand.
+fn is_no_hand(of: &Restricted, fitted: &FittedErrors) -> bool {
+    let strays = (0..2).filter(|kind| of.rows.shows(*kind));
+    let strays = strays.map(|kind| fitted.processes[kind].wander_variance().sqrt());
+    strays.fold(0.0, f64::max) > FAR
+}
+
+/// Residuals taken for noise alone.
+pub(in crate::estimate) struct NoiseAlone {
+    fitted: FittedErrors,
+    /// Against noise and a wander, by the ratio of their likelihoods.
+    test: Tested,
+}
+
+impl NoiseAlone {
+    /// Beside the likeliest errors with a wander; `None` where too few residuals are beyond what the motion may follow.
+    pub(in crate::estimate) fn of(of: &Restricted, wandering: &FittedErrors) -> Option<Self> {
+        if 3 * of.rows.samples() < LEAST_FREEDOM + of.free {
+            return None;
+        }
+        let fitted = of.likeliest_noise()?;
+        let kinds = (0..2).filter(|kind| of.rows.shows(*kind)).count();
+        let freedom = (Process::COUNT - 1) * kinds;
+        let statistic = (fitted.merit - wandering.merit).max(0.0);
+        let law = ChiSquared::new(freedom as f64).ok()?;
+        Some(Self {
+            fitted,
+            test: Tested {
+                statistic,
+                freedom,
+                probability: law.sf(statistic),
+            },
+        })
+    }
+
+    /// Whether that explains them.
+    pub(in crate::estimate) fn explains(&self) -> bool {
+        self.test.probability >= WELL
+    }
+}
+
+/// The likeliest, and those that explain the performance as well. Of the components of one thing, the one that explains
+/// best stands for all.
+fn together(mut suspects: Vec<Suspect>) -> Vec<Suspect> {
+    suspects.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut kept: Vec<Suspect> = Vec::new();
+    for suspect in suspects {
+        let is_of_first = kept
+            .first()
+            .is_none_or(|first| first.is_rivalled_by(&suspect));
+        if is_of_first && !kept.iter().any(|better| better.is_same_as(&suspect)) {
+            kept.push(suspect);
+        }
+    }
+    kept.truncate(MOST);
+    kept
+}

@@ -1,0 +1,95 @@
+//! Quantities set free for a trial: where a value is far off, the slope at the scene's own no longer ranks it.
+
+use nalgebra::DVector;
+
+use super::wider::Wider;
+use crate::estimate::covariance::linearised::{InTime, LinearisedSolution, free_directions};
+use crate::estimate::schedule::recipe::{self, Recipe, Solution};
+use crate::estimate::terms::context::SolveContext;
+use crate::estimate::wander::likelihood::FittedErrors;
+use crate::estimate::wander::wrong::WrongQuantity;
+use crate::motion::{Observer, Performance, Quantity, Quiet};
+use crate::optimise::Schedule;
+use crate::optimise::finish::Tolerances;
+use crate::optimise::kkt::Kkt;
+
+/// A motion whose samples were weighed one by one, and that no hand acted.
+pub(in crate::estimate) struct Trials<'a> {
+    pub(super) context: &'a SolveContext<'a>,
+    pub(super) solution: &'a Solution,
+    pub(super) performance: Performance<'a>,
+}
+
+impl Trials<'_> {
+    /// What a quantity explains where the motion is found again with it free, from where its slope leads; `None` where that
+    /// leads to no motion. `fixed` is what follows of noise where it is not.
+    pub(super) fn tried(
+        &self,
+        quantity: Quantity,
+        near: &WrongQuantity,
+        fixed: &FittedErrors,
+        observer: &mut dyn Observer,
+    ) -> Option<WrongQuantity> {
+        let Self {
+            context,
+            solution,
+            performance,
+        } = self;
+        let scene = performance.scene;
+        let [lower, upper] = quantity.limits();
+        let given = scene.value_of(quantity);
+        let from = (given + near.change).clamp(lower, upper);
+        let wider = Wider::new(context, *performance, vec![scene.freed(quantity, from)]);
+        let found = recipe::solve_from(
+            &wider.problem,
+            &wider.layout,
+            wider.point(&solution.point),
+            context.epochs_s.clone(),
+            &Recipe::of(schedule()),
+            &mut Quiet(observer),
+        );
+        if !found.finished.converged {
+            return None;
+        }
+        let epochs_s = context.epochs_s.clone();
+        let own = SolveContext::new(&wider.problem, &wider.layout, epochs_s, &found.point);
+        let in_time = InTime::new(&own, &found);
+        let (own, there) = in_time.at(&own, &found);
+        let kkt = Kkt::new(&own, &there.system, &there.multipliers)?;
+        let free = free_directions(&own, &there.system, &kkt)?;
+        let linearised = LinearisedSolution::new(&own, &there.point, &free, free.ncols(), 0.0)?;
+        let fitted = linearised.restricted().likeliest_noise()?;
+        let along: DVector<f64> = free.row(own.layout.parameters[wider.first]).transpose();
+        let sd = along.dot(&fitted.information.solve(&along)).sqrt();
+        let change = there.point.parameters[wider.first] - given;
+        let typical = quantity.typical();
+        // Restricted likelihoods of other means are not comparable.
+        let merit = |of: &FittedErrors| of.merit - of.information.ln_determinant();
+        let price = (typical / sd).hypot(1.0).ln() + 0.5 * (change / typical).powi(2);
+        let explains = [0, 1].map(|kind| {
+            let [with, without] = [&fitted, fixed].map(|of| of.processes[kind].noise_sd);
+            1.0 - (with / without).powi(2)
+        });
+        Some(WrongQuantity {
+            index: near.index,
+            change,
+            deviations: change / sd,
+            log_odds: 0.5 * (merit(fixed) - merit(&fitted)) - price,
+            explains: explains[0].max(explains[1]).clamp(0.0, 1.0),
+        })
+    }
+}
+
+/// To compare likelihoods a few digits are enough, and what needs more steps than this is no explanation.
+fn schedule() -> Schedule {
+    Schedule {
+        multiplier_rounds: (4, 10),
+        retries: 0,
+        tolerances: Tolerances {
+            violation: 1e-6,
+            decrease: 1e-6,
+            steps: 15,
+        },
+        ..Schedule::default()
+    }
+}
