@@ -1,7 +1,7 @@
 //! The covariance of an estimate by dense algebra that shares nothing with the library's.
 
+use enact::estimate::adequacy;
 use enact::estimate::covariance::Covariance;
-use enact::estimate::outcome;
 use enact::estimate::schedule::recipe::{self, Recipe};
 use enact::estimate::solve;
 use enact::estimate::terms::context::{Guidance, SolveContext};
@@ -43,11 +43,13 @@ impl Uncertainty {
         let guess = &posed.guesses[best];
         let (point, system) = (&solution.point, &solution.system);
         let context = SolveContext::new(problem, layout, recipe::epochs_s(guess), point);
-        let residuals = outcome::errors(problem, &context, point);
-        let covariance =
-            Covariance::new(&context, point, system, &solution.multipliers, &residuals)?;
+        let multipliers = &solution.multipliers;
+        let solved = Covariance::new(&context, point, system, multipliers)?;
+        let in_time = adequacy::in_time(&context, &solution)?;
+        let (own, there) = in_time.at(&context, &solution);
+        let told = Covariance::new(&own, point, &there.system, multipliers)?;
         let all: Vec<usize> = (0..layout.size()).collect();
-        let library = covariance.of(&all);
+        let library = solved.of(&all);
         let Exact { free, scale, exact } = Exact::of(&context, system)?;
         Some(Self {
             error: error(case, posed, point, &context.epochs_s, offset_s),
@@ -55,8 +57,8 @@ impl Uncertainty {
             free,
             scale,
             library,
-            white: covariance.noise()?.white,
-            sds: covariance.sds(&all.iter().map(|at| vec![(*at, 1.0)]).collect::<Vec<_>>()),
+            white: in_time.noise_sds().map(|sd| sd * sd),
+            sds: told.sds(&all.iter().map(|at| vec![(*at, 1.0)]).collect::<Vec<_>>()),
         })
     }
 

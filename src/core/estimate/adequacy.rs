@@ -20,15 +20,13 @@ use nalgebra::{DMatrix, Vector3};
 pub use self::leaning::leanings;
 
 use self::alone::errors_alone;
-use self::asked::{Asked, Strayed};
+use self::asked::Asked;
 use self::candidates::candidates;
 use self::trial::Trials;
 use self::wider::{Wider, unbounded};
-use crate::estimate::covariance::bins::{Residuals, Six};
-use crate::estimate::covariance::linearised::{
-    InTime, LinearisedSolution, free_directions, is_too_free, likely,
-};
-use crate::estimate::covariance::noise::{self, mean_squares};
+use crate::estimate::covariance::in_time::{InTime, Strayed};
+use crate::estimate::covariance::linearised::{LinearisedSolution, free_directions};
+use crate::estimate::covariance::residuals::{self, Residuals, Six, mean_squares};
 use crate::estimate::outcome;
 use crate::estimate::problem::weave::Weave;
 use crate::estimate::problem::{Problem, View};
@@ -36,7 +34,7 @@ use crate::estimate::schedule::recipe::Solution;
 use crate::estimate::terms::context::{Guidance, SolveContext};
 use crate::estimate::terms::woven;
 use crate::estimate::wander::Process;
-use crate::estimate::wander::likelihood::{LikelyErrors, Restricted};
+use crate::estimate::wander::likelihood::Restricted;
 use crate::estimate::wander::series::SeriesRows;
 use crate::motion::{Fit, FitUntold, Observer, Performance, Performer, Suspect};
 use crate::optimise::Program;
@@ -70,7 +68,7 @@ pub(super) fn show_hand(context: &SolveContext, solution: &Solution) -> bool {
     if longest_s.is_none_or(|longest_s| longest_s > SHORT_S) {
         return false;
     }
-    let white = noise::white(&alone);
+    let white = residuals::white(&alone);
     let errors = outcome::errors(context.problem, context, point);
     let squares = mean_squares(&errors);
     let is_noise = (0..2).all(|kind| {
@@ -82,7 +80,7 @@ pub(super) fn show_hand(context: &SolveContext, solution: &Solution) -> bool {
 
 /// Whether flights by themselves are farther from their samples than noise makes them.
 fn stray_alone(context: &SolveContext, alone: &[Residuals]) -> bool {
-    let white = noise::white(alone);
+    let white = residuals::white(alone);
     let squares = mean_squares(alone);
     let flights = context.problem.seen_arcs();
     (0..2).any(|kind| {
@@ -105,11 +103,24 @@ fn is_beyond_noise(square: f64, variance: f64, freedom: f64) -> bool {
     square > (1.0 + beyond_chance) * variance * freedom && freedom > 0.0
 }
 
+/// A motion whose samples were weighed one by one with the errors that they show; `None` where errors of a hand were told as it
+/// was found, and where residuals tell nothing of them.
+pub fn in_time(context: &SolveContext, solution: &Solution) -> Option<InTime> {
+    if context.problem.weave.is_some() {
+        return None;
+    }
+    let strayed = match context.problem.performer {
+        Performer::Nobody => Strayed::Tracker,
+        Performer::Unsaid if !show_hand(context, solution) => Strayed::NoHand,
+        Performer::Hand | Performer::Unsaid => Strayed::MaybeHand,
+    };
+    InTime::likely(context, solution, strayed)
+}
+
 /// How well a solution explains its samples, of which `errors` are the residuals, arc by arc; and where it does not, what in
 /// the scene may be wrong. Fails where samples tell too little, and where the observer stops it.
-pub fn judge(
-    context: &SolveContext,
-    solution: &Solution,
+pub(super) fn judge(
+    (context, solution, in_time): (&SolveContext, &Solution, Option<&InTime>),
     errors: &[Residuals],
     performance: Performance,
     observer: &mut dyn Observer,
@@ -125,23 +136,14 @@ pub fn judge(
         };
         return told.judged(errors, performance, observer);
     }
-    let in_time = InTime::new(context, solution);
-    let (context_in_time, there) = in_time.at(context, solution);
-    if is_too_free(&context_in_time, &there.system) {
-        return Err(FitUntold::FewSamples);
-    }
-    let expected = LikelyErrors::of([Process::EXPECTED; 2]);
-    let likely = likely(&context_in_time, &there, &expected, 0.0);
+    let in_time = in_time.ok_or(FitUntold::FewSamples)?;
+    let (own, there) = in_time.at(context, solution);
     let told = ToldMotion {
-        context: &context_in_time,
+        context: &own,
         weave: in_time.weave(),
         solution: &there,
-        processes: likely.ok_or(FitUntold::FewSamples)?.processes,
-        strayed: match performance.scene.performer {
-            Performer::Nobody => Strayed::Tracker,
-            Performer::Unsaid if !show_hand(context, solution) => Strayed::NoHand,
-            Performer::Hand | Performer::Unsaid => Strayed::MaybeHand,
-        },
+        processes: in_time.wandering,
+        strayed: in_time.strayed,
         trials: Some(Trials {
             context,
             solution,

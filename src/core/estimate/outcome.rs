@@ -5,7 +5,7 @@ pub(in crate::estimate) mod held_motion;
 use nalgebra::Vector3;
 
 use crate::estimate::constraint::bound::at_bound;
-use crate::estimate::covariance::bins::Residuals;
+use crate::estimate::covariance::residuals::Residuals;
 use crate::estimate::covariance::timing;
 use crate::estimate::problem::{Problem, TimeSide, View, unit};
 use crate::estimate::schedule::recipe::Solution;

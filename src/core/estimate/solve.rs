@@ -10,10 +10,14 @@ mod rivals;
 pub(in crate::estimate) mod simulate;
 mod wandering;
 
+use std::cell::OnceCell;
 use std::cmp::Ordering;
 
+use self::deviation::Covariances;
 use crate::estimate::adequacy;
-use crate::estimate::covariance::bins::Residuals;
+use crate::estimate::covariance::Covariance;
+use crate::estimate::covariance::in_time::InTime;
+use crate::estimate::covariance::residuals::Residuals;
 use crate::estimate::outcome;
 use crate::estimate::problem::Problem;
 use crate::estimate::schedule::recipe::{self, Recipe, Solution};
@@ -40,6 +44,8 @@ pub struct Solved {
     solution: Solution,
     /// Residuals of every sample, view by view, in units.
     errors: Vec<Residuals>,
+    /// Where each sample was weighed by itself, with the errors that residuals make likely, once somebody asks.
+    in_time: OnceCell<Option<InTime>>,
 }
 
 impl Solved {
@@ -56,7 +62,9 @@ impl Solved {
         }
         observer.phase(Phase::Adequacy);
         let (context, solution) = (self.context(), &self.solution);
-        let judged = adequacy::judge(&context, solution, &self.errors, performance, observer);
+        let in_time = self.in_time(&context);
+        let of = (&context, solution, in_time);
+        let judged = adequacy::judge(of, &self.errors, performance, observer);
         let leanings = adequacy::leanings(&context, solution, performance);
         self.estimate.fit = judged.map(|(fit, suspects)| {
             self.estimate.suspects = suspects;
@@ -65,6 +73,12 @@ impl Solved {
         for (event, leaning) in self.estimate.events.iter_mut().zip(leanings) {
             event.leaning = leaning;
         }
+    }
+
+    /// See [`Solved`].
+    fn in_time(&self, context: &SolveContext) -> Option<&InTime> {
+        let told = || adequacy::in_time(context, &self.solution);
+        self.in_time.get_or_init(told).as_ref()
     }
 
     /// At the solution.
@@ -94,6 +108,7 @@ impl Solved {
             posed,
             solution,
             errors,
+            in_time: OnceCell::new(),
         }
     }
 
@@ -110,14 +125,29 @@ impl Solved {
             posed,
             epochs_s,
             solution,
-            errors,
+            in_time,
+            ..
         } = self;
         let context = posed.context(epochs_s, &solution.point);
         // Without time for them nothing is told to be determined.
-        let errors = (!observer.should_stop()).then_some(errors.as_slice());
-        let covariance = deviation::fill(&mut estimate, scene, &context, &solution, errors);
-        if let Some(covariance) = covariance.filter(|_| which == Deviations::OfMotion) {
-            deviation::fill_flights(&mut estimate, &context, &solution.point, &covariance);
+        let has_time = !observer.should_stop();
+        let in_time =
+            has_time.then(|| in_time.get_or_init(|| adequacy::in_time(&context, &solution)));
+        let there = in_time
+            .and_then(Option::as_ref)
+            .map(|of| of.at(&context, &solution));
+        let covariances = Covariances {
+            solved: has_time.then(|| covariance(&context, &solution)).flatten(),
+            told: there
+                .as_ref()
+                .and_then(|(context, solution)| covariance(context, solution)),
+        };
+        deviation::fill(&mut estimate, scene, &context, &solution, &covariances);
+        let known = covariances
+            .known()
+            .filter(|_| which == Deviations::OfMotion);
+        if let Some(known) = known {
+            deviation::fill_flights(&mut estimate, &context, &solution.point, known);
         }
         estimate
     }
@@ -204,7 +234,12 @@ pub fn estimate(
         posed,
         solution,
         errors,
+        in_time: OnceCell::new(),
     }
+}
+
+fn covariance<'a>(context: &'a SolveContext<'a>, of: &'a Solution) -> Option<Covariance<'a>> {
+    Covariance::new(context, &of.point, &of.system, &of.multipliers)
 }
 
 /// A problem with its layout.

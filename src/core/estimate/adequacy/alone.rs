@@ -4,7 +4,7 @@
 
 use nalgebra::DVector;
 
-use crate::estimate::covariance::bins::Residuals;
+use crate::estimate::covariance::residuals::Residuals;
 use crate::estimate::outcome;
 use crate::estimate::terms::context::{Guidance, SolveContext};
 use crate::estimate::unknowns::point::Point;

@@ -8,6 +8,7 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::trial::Trials;
+use crate::estimate::covariance::in_time::Strayed;
 use crate::estimate::wander::Process;
 use crate::estimate::wander::likelihood::{FittedErrors, Restricted};
 use crate::estimate::wander::wrong::{self, Judgement, KeptQuantity, Looker, WrongQuantity};
@@ -25,8 +26,6 @@ const DRIFT: f64 = 0.5;
 const SHOWN_SHARE: f64 = 0.1;
 /// Greatest number of suspects.
 const MOST: usize = 4;
-/// Least number of residuals beyond what the motion may follow: three for each number of a process.
-const LEAST_FREEDOM: usize = 3 * Process::COUNT;
 
 /// How a quantity is looked at: a hand that drifts steadily is like a clock that is slow, another gravity or drag, but its
 /// wander stays where one of them is free.
@@ -65,6 +64,7 @@ pub(in crate::estimate) struct Asked<'a> {
     pub(in crate::estimate) trials: Option<Trials<'a>>,
 }
 
+/// Looks at quantities one by one, as is asked.
 struct AskedLooker<'a> {
     asked: &'a Asked<'a>,
     trials: Option<&'a Trials<'a>>,
@@ -83,19 +83,6 @@ impl Looker for AskedLooker<'_> {
         let quantity = self.asked.quantities[near.index];
         trials.tried(quantity, &near, fixed, self.observer)
     }
-}
-
-/// What samples err by beside noise.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::estimate) enum Strayed {
-    /// A hand, with whose errors the motion was found.
-    Hand,
-    /// Perhaps a hand: each sample was weighed by itself.
-    MaybeHand,
-    /// No hand: flights by themselves show none.
-    NoHand,
-    /// A tracker alone: the scene says that there was no hand.
-    Tracker,
 }
 
 impl Asked<'_> {
@@ -214,7 +201,7 @@ pub(in crate::estimate) struct NoiseAlone {
 impl NoiseAlone {
     /// Beside the likeliest errors with a wander; `None` where too few residuals are beyond what the motion may follow.
     pub(in crate::estimate) fn of(of: &Restricted, wandering: &FittedErrors) -> Option<Self> {
-        if 3 * of.rows.samples() < LEAST_FREEDOM + of.free {
+        if !of.is_told() {
             return None;
         }
         let fitted = of.likeliest_noise()?;

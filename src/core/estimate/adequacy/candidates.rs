@@ -1,6 +1,6 @@
 //! What may be suspected.
 
-use super::asked::Strayed;
+use crate::estimate::covariance::in_time::Strayed;
 use crate::motion::{Quantity, Scene};
 
 /// Quantities that may be suspected, one by one.

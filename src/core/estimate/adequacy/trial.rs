@@ -3,7 +3,8 @@
 use nalgebra::DVector;
 
 use super::wider::Wider;
-use crate::estimate::covariance::linearised::{InTime, LinearisedSolution, free_directions};
+use crate::estimate::covariance::in_time::{InTime, Strayed};
+use crate::estimate::covariance::linearised::{LinearisedSolution, free_directions};
 use crate::estimate::schedule::recipe::{self, Recipe, Solution};
 use crate::estimate::terms::context::SolveContext;
 use crate::estimate::wander::likelihood::FittedErrors;
@@ -53,7 +54,7 @@ impl Trials<'_> {
         }
         let epochs_s = context.epochs_s.clone();
         let own = SolveContext::new(&wider.problem, &wider.layout, epochs_s, &found.point);
-        let in_time = InTime::new(&own, &found);
+        let in_time = InTime::expected(&own, &found, Strayed::NoHand);
         let (own, there) = in_time.at(&own, &found);
         let kkt = Kkt::new(&own, &there.system, &there.multipliers)?;
         let free = free_directions(&own, &there.system, &kkt)?;

@@ -4,30 +4,14 @@ mod joint;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::bins::{Bins, Residuals, Six};
-use super::noise::Noise;
-use super::trace::Design;
-use crate::estimate::problem::weave::Weave;
-use crate::estimate::terms::context::{Guidance, SolveContext};
+use crate::estimate::terms::context::SolveContext;
 use crate::estimate::terms::held;
-use crate::estimate::terms::objective::Objective;
 use crate::estimate::unknowns::point::Point;
-use crate::math::random::Random;
-use crate::math::span::Span;
 use crate::motion::Variance;
 use crate::optimise::active::ActiveSet;
 use crate::optimise::envelope::Envelope;
 use crate::optimise::kkt::{DAMPING, Kkt};
 use crate::optimise::{Program, System};
-use crate::physics::state;
-
-/// Directions tried beyond the number of unknowns less that of equalities: some rows may be
-/// dependent.
-const DIRECTIONS_MORE: usize = 2;
-/// Greatest number of directions: with more, residuals are not informative.
-const DIRECTIONS_MAX: usize = 64;
-/// A direction of which less than this is orthogonal to the others depends on them.
-const DEPENDENT: f64 = 1e-6;
 
 /// A linear combination of unknowns, as indices with factors; empty for a fixed quantity.
 pub type Moment = Vec<(usize, f64)>;
@@ -42,39 +26,21 @@ pub struct Covariance<'a> {
     curved: Option<Envelope>,
     /// Gradient of the Lagrangian without the pulls of bounds: where these act, it is not zero.
     slope: DVector<f64>,
-    errors: CovarianceOfErrors<'a>,
-}
-
-/// What is known of the samples' errors.
-enum CovarianceOfErrors<'a> {
-    /// They are about a motion that was found as if each was by itself.
-    Found {
-        design: Design<'a>,
-        /// Their covariance.
-        noise: Noise,
-    },
-    /// The weights are those of the errors: the samples' own part of the Hessian.
-    Weighed(Box<Envelope>),
+    /// The samples' own part of the Hessian: the weights are those of the errors.
+    of_samples: Envelope,
 }
 
 impl<'a> Covariance<'a> {
     /// The covariances at an optimum; `None` where the matrix cannot be factorised.
-    ///
-    /// `residuals` are those of every sample, view by view, in units.
     pub fn new(
         context: &'a SolveContext<'a>,
         point: &'a Point,
         system: &'a System,
         multipliers: &[f64],
-        residuals: &[Residuals],
     ) -> Option<Self> {
         let curved = curved(context, (point, system), multipliers);
         let kkt = with_soft_bounds(context, system, curved.as_ref(), multipliers)?;
         let slope = slope_without_bounds(context, system, multipliers);
-        let errors = match &context.problem.weave {
-            Some(weave) => CovarianceOfErrors::Weighed(Box::new(of_samples(context, point, weave))),
-            None => found(context, point, system, &kkt, residuals),
-        };
         Some(Self {
             context,
             system,
@@ -82,24 +48,8 @@ impl<'a> Covariance<'a> {
             kkt,
             curved,
             slope,
-            errors,
+            of_samples: context.of_samples(point),
         })
-    }
-
-    /// The covariance of the residuals, where the motion was found as if each was by itself.
-    pub fn noise(&self) -> Option<&Noise> {
-        match &self.errors {
-            CovarianceOfErrors::Found { noise, .. } => Some(noise),
-            CovarianceOfErrors::Weighed(_) => None,
-        }
-    }
-
-    /// The same, to be replaced by another.
-    pub fn noise_mut(&mut self) -> Option<&mut Noise> {
-        match &mut self.errors {
-            CovarianceOfErrors::Found { noise, .. } => Some(noise),
-            CovarianceOfErrors::Weighed(_) => None,
-        }
     }
 
     /// `(H + w CᵀC)⁻¹` of the unknowns `at`: their covariance if the weights were those of the
@@ -135,7 +85,7 @@ impl<'a> Covariance<'a> {
     /// Standard deviation of the quantity `mᵀu` with `answer = P m` and `own = mᵀ P m`; `None`
     /// where the performance does not determine it.
     pub fn sd_of_answer(&self, own: f64, answer: &DVector<f64>) -> Option<f64> {
-        let (seen, errors) = self.seen(answer);
+        let seen = self.seen(answer);
         let (marks, beyond) = self.marks(answer);
         // Curvature leads errors on to what it holds; it is not known better for that.
         let known = own - self.curvature(answer);
@@ -144,27 +94,18 @@ impl<'a> Covariance<'a> {
             damped: self.kkt.damped(answer),
             informed: seen + marks + self.wished(answer),
             known,
-            errors,
+            errors: seen,
             priors: known - seen + beyond,
         };
         variance.sd()
     }
 
-    /// Information of samples about an answer, and the variance that their errors make of it.
-    fn seen(&self, answer: &DVector<f64>) -> (f64, f64) {
-        match &self.errors {
-            CovarianceOfErrors::Found { design, noise } => {
-                let trace = design.trace(answer);
-                (trace.squares[0] + trace.squares[1], noise.variance(&trace))
-            }
-            CovarianceOfErrors::Weighed(of_samples) => {
-                let mut product = DVector::zeros(answer.len());
-                let pattern = &self.context.structure().pattern;
-                of_samples.multiply_add(pattern, answer, &mut product);
-                let seen = answer.dot(&product);
-                (seen, seen)
-            }
-        }
+    /// Information of samples about an answer, which is the variance that their errors make of it.
+    fn seen(&self, answer: &DVector<f64>) -> f64 {
+        let mut product = DVector::zeros(answer.len());
+        let pattern = &self.context.structure().pattern;
+        self.of_samples.multiply_add(pattern, answer, &mut product);
+        answer.dot(&product)
     }
 
     /// The part of `xᵀ P⁻¹ x` from curvature.
@@ -232,75 +173,6 @@ impl<'a> Covariance<'a> {
         }
         (squares, beyond)
     }
-}
-
-/// The covariance of residuals about a motion that was found as if each was by itself.
-fn found<'a>(
-    context: &'a SolveContext<'a>,
-    point: &'a Point,
-    system: &'a System,
-    kkt: &Kkt,
-    residuals: &[Residuals],
-) -> CovarianceOfErrors<'a> {
-    let bins = Bins::new(context.problem, point);
-    let design = Design::new(context, point, &bins);
-    let nodes = context.layout.nodes.iter().flatten().count();
-    // Of held bodies' states, the priors say more than the samples of what hits them.
-    let of_held = state::DIMENSION * context.layout.held.len();
-    let told = equalities(system) + nodes + of_held;
-    let free = context.layout.size().saturating_sub(told) + DIRECTIONS_MORE;
-    let noise = match free <= DIRECTIONS_MAX {
-        true => {
-            let absorbed = absorbed(context, system, kkt, &design, &bins, free);
-            Noise::of(&bins, residuals, &absorbed)
-        }
-        false => Noise::stated(),
-    };
-    CovarianceOfErrors::Found { design, noise }
-}
-
-/// Directions of the bins' means that the fit has absorbed, orthonormal: the images of as many
-/// random steps as there are free directions; and where times are unknown, each bin along its
-/// flight.
-fn absorbed(
-    context: &SolveContext,
-    system: &System,
-    kkt: &Kkt,
-    design: &Design,
-    bins: &Bins,
-    free: usize,
-) -> Vec<Vec<Six>> {
-    let layout = context.layout;
-    let mut directions: Vec<Vec<Six>> = Vec::new();
-    if context.problem.times_are_unknown() {
-        for (bin, rate) in design.rates().into_iter().enumerate() {
-            let mut column = vec![[0.0; 6]; bins.count()];
-            column[bin] = rate;
-            directions.push(column);
-        }
-    }
-    let mut random = Random::default();
-    directions.extend((0..free).map(|_| {
-        let hessian = &system.hessian;
-        let mut step = DVector::from_fn(layout.size(), |at, _| {
-            random.signed()
-                * hessian
-                    .get(&layout.structure.pattern, at, at)
-                    .max(0.0)
-                    .sqrt()
-        });
-        kkt.solve(context.structure(), &mut step);
-        bins.means(&design.sums(&step))
-    }));
-    orthonormal(&directions)
-}
-
-/// The Hessian of samples that err in time.
-fn of_samples(context: &SolveContext, point: &Point, weave: &Weave) -> Envelope {
-    let mut system = System::new(context.structure());
-    let guidance = Guidance::none();
-    Objective::new(context, &guidance, point, &mut system).add_woven(weave);
-    system.hessian
 }
 
 /// The Hessian with all curvature, where a row pulls that has its own in closed form: at an apex, that
@@ -376,19 +248,4 @@ fn slope_without_bounds(
 pub(super) fn equalities(system: &System) -> usize {
     let bounds = system.blocks.iter().flat_map(|block| &block.bounds);
     bounds.filter(|(lower, upper)| lower == upper).count()
-}
-
-/// An orthonormal basis of the span.
-fn orthonormal(directions: &[Vec<Six>]) -> Vec<Vec<Six>> {
-    let Some(bins) = directions.first().map(Vec::len).filter(|bins| *bins > 0) else {
-        return Vec::new();
-    };
-    let columns = directions.iter().map(|direction| {
-        let entries = direction.iter().flatten().copied();
-        DVector::from_iterator(6 * bins, entries)
-    });
-    let columns: Vec<DVector<f64>> = columns.collect();
-    let basis = Span::of(&columns, 6 * bins, DEPENDENT).basis();
-    let (axes, _) = basis.as_slice().as_chunks::<6>();
-    axes.chunks_exact(bins).map(<[Six]>::to_vec).collect()
 }

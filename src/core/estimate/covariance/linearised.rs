@@ -3,15 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::certainty::equalities;
-use crate::estimate::problem::Problem;
-use crate::estimate::problem::weave::Weave;
-use crate::estimate::schedule::recipe::Solution;
-use crate::estimate::terms::context::{Guidance, SolveContext};
+use crate::estimate::terms::context::SolveContext;
 use crate::estimate::terms::woven;
-use crate::estimate::unknowns::layout::Layout;
 use crate::estimate::unknowns::point::Point;
-use crate::estimate::wander::Process;
-use crate::estimate::wander::likelihood::{LikelyErrors, Restricted};
+use crate::estimate::wander::likelihood::Restricted;
 use crate::estimate::wander::series::SeriesRows;
 use crate::math::random::Random;
 use crate::math::span::Span;
@@ -67,78 +62,6 @@ impl LinearisedSolution {
             least: LEAST,
         }
     }
-}
-
-/// A problem whose samples were weighed one by one, as if they erred in time.
-pub(in crate::estimate) struct InTime {
-    problem: Problem,
-    layout: Layout,
-}
-
-impl InTime {
-    /// With errors as they are expected before anything is seen, those near the impacts of a solution left out.
-    pub(in crate::estimate) fn new(context: &SolveContext, solution: &Solution) -> Self {
-        let expected = [Process::EXPECTED; 2];
-        let problem = context
-            .problem
-            .woven(expected, &solution.point, &context.epochs_s);
-        Self {
-            layout: Layout::new(&problem),
-            problem,
-        }
-    }
-
-    /// Which samples err together.
-    pub(in crate::estimate) fn weave(&self) -> &Weave {
-        self.problem.weave.as_ref().expect("it was just woven")
-    }
-
-    /// The same solution in this problem.
-    pub(in crate::estimate) fn at(
-        &self,
-        context: &SolveContext,
-        solution: &Solution,
-    ) -> (SolveContext<'_>, Solution) {
-        let epochs_s = context.epochs_s.clone();
-        let own = SolveContext::new(&self.problem, &self.layout, epochs_s, &solution.point);
-        let system = own.evaluated(&Guidance::none(), &solution.point);
-        let solution = Solution {
-            system,
-            ..solution.clone()
-        };
-        (own, solution)
-    }
-}
-
-/// The errors that a motion's residuals make likeliest, of samples at least so far apart \[s\]; `None` where they tell nothing of
-/// them. Where the motion may go along too many directions, residuals are taken as they are, and made greater by what they lack
-/// for having been fitted.
-pub(in crate::estimate) fn likely(
-    context: &SolveContext,
-    solution: &Solution,
-    from: &LikelyErrors,
-    apart_s: f64,
-) -> Option<LikelyErrors> {
-    let (point, system) = (&solution.point, &solution.system);
-    let kkt = Kkt::new(context, system, &solution.multipliers)?;
-    let free = free_directions(context, system, &kkt);
-    let none = || DMatrix::zeros(context.layout.size(), 0);
-    let is_told = free.is_some();
-    let directions = free.unwrap_or_else(none);
-    let count = directions.ncols();
-    // What many directions lack is told of all samples.
-    let kept_s = if is_told { apart_s } else { 0.0 };
-    let linearised = LinearisedSolution::new(context, point, &directions, count, kept_s)?;
-    let restricted = linearised.restricted();
-    let mut likely = restricted.likely(from, apart_s)?;
-    if is_told {
-        return Some(likely);
-    }
-    let rows = (3 * restricted.rows.samples()) as f64;
-    let left = rows - free_count(context, system) as f64;
-    let lacking = (rows / left.max(1.0)).sqrt();
-    likely.processes = likely.processes.map(|of| of.times(lacking));
-    Some(likely)
 }
 
 /// Number of unknowns less that of equalities.

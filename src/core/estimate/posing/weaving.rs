@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::gravity;
 use crate::estimate::problem::influence::Acting;
-use crate::estimate::problem::weave::{Weave, WovenArc, WovenHand, WovenSample};
+use crate::estimate::problem::weave::{Kinks, Weave, WovenArc, WovenHand, WovenSample};
 use crate::estimate::problem::{Arc, INFORMED_MIN, Problem, Shows, View};
 use crate::estimate::unknowns::point::Point;
 use crate::estimate::wander::kink::{APART_S, Rounding, is_near_kinks, kink_s};
@@ -20,9 +20,15 @@ use crate::physics::flow;
 const FORGOTTEN: f64 = 1e-9;
 
 impl Problem {
-    /// The same problem where samples err in time; those near impacts of a motion are left out. The tempo's prior is that of
+    /// The same problem where samples err in time; those near impacts of a motion are left out where a hand rounds them. The tempo's prior is that of
     /// the hand itself. Trackers on one body are in one hand.
-    pub fn woven(&self, processes: [Process; 2], at: &Point, epochs_s: &[f64]) -> Self {
+    pub fn woven(
+        &self,
+        processes: [Process; 2],
+        kinks: Kinks,
+        at: &Point,
+        epochs_s: &[f64],
+    ) -> Self {
         let mut hands: Vec<WovenHand> = Vec::new();
         for (index, arc) in self.arcs.iter().enumerate() {
             let counted_s = self.counted_s(arc, &at.event_times_s);
@@ -72,8 +78,9 @@ impl Problem {
                     noise_variances: noise_variances(of, sample),
                     gains: [None; 2],
                 });
+                let is_sharp = kinks == Kinks::Sharp;
                 let is_counted = |woven: &WovenSample| {
-                    (counted_s[0]..=counted_s[1]).contains(&physical_s(woven.sample))
+                    is_sharp || (counted_s[0]..=counted_s[1]).contains(&physical_s(woven.sample))
                 };
                 let mut counted: Vec<WovenSample> = samples.clone().filter(is_counted).collect();
                 // Where there are few, a kink is no worse than nothing.
@@ -84,14 +91,14 @@ impl Problem {
                 let is_near = are_few || is_near_kinks(length_s(arc, &at.event_times_s));
                 let mut last_s = f64::NEG_INFINITY;
                 counted.retain(|of| {
-                    let is_next = of.acted_s >= last_s + APART_S;
+                    let is_next = is_sharp || of.acted_s >= last_s + APART_S;
                     if is_next {
                         last_s = of.acted_s;
                     }
                     is_next
                 });
                 // In an unknown tempo, flights would become short to lie where samples tell little.
-                if is_near && !self.times_are_unknown() {
+                if is_near && !is_sharp && !self.times_are_unknown() {
                     self.round_kinks(&mut counted, index, of, at, epochs_s);
                 }
                 woven.samples.extend(counted);

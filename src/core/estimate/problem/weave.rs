@@ -7,6 +7,16 @@ use super::influence::Acting;
 use crate::estimate::wander::{Gain, Process, SampleInstant};
 use crate::motion::{MechanismIndex, TrackIndex};
 
+/// How impacts are seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kinks {
+    /// As a hand acts them, which makes no sharp kink: samples near them are left out, and so are those that follow one another
+    /// faster than a hand moves.
+    Rounded,
+    /// As they are: every sample counts.
+    Sharp,
+}
+
 /// The samples of all hands, whose errors are a process.
 #[derive(Clone, Debug)]
 pub struct Weave {

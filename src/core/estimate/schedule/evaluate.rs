@@ -112,6 +112,13 @@ impl SolveContext<'_> {
         system
     }
 
+    /// The samples' own part of the Hessian.
+    pub(in crate::estimate) fn of_samples(&self, point: &Point) -> Envelope {
+        let mut system = System::new(self.structure());
+        Objective::new(self, &Guidance::none(), point, &mut system).add_samples();
+        system.hessian
+    }
+
     /// Evaluates with the samples' terms as they are added.
     fn evaluate_with(
         &self,

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Solved;
+use super::{Solved, covariance};
 use crate::estimate::covariance::{Covariance, Moment};
 use crate::motion::MechanismIndex;
 use crate::physics::State;
@@ -24,13 +24,13 @@ impl Solved {
     pub fn last_states(&self) -> Option<Vec<LastState>> {
         let (problem, point) = (&self.posed.problem, &self.solution.point);
         let context = self.posed.context(self.epochs_s.clone(), point);
-        let covariance = Covariance::new(
-            &context,
-            point,
-            &self.solution.system,
-            &self.solution.multipliers,
-            &self.errors,
-        )?;
+        let there = self
+            .in_time(&context)
+            .map(|of| of.at(&context, &self.solution));
+        let covariance = match &there {
+            Some((context, solution)) => covariance(context, solution),
+            None => covariance(&context, &self.solution),
+        }?;
         let arcs = problem.arcs.iter().enumerate();
         let is_last = |arc: usize, mechanism: MechanismIndex| {
             let mut later = problem.arcs[arc + 1..].iter();

@@ -1,10 +1,11 @@
 //! Motions near the best one, simulated from first states near its own.
 
+use std::cell::OnceCell;
+
 use nalgebra::DVector;
 
 use super::simulate::simulate;
-use super::{Solved, add};
-use crate::estimate::covariance::Covariance;
+use super::{Solved, add, covariance};
 use crate::estimate::covariance::whitened::Whitened;
 use crate::estimate::outcome;
 use crate::estimate::problem::pull::Pull;
@@ -38,13 +39,7 @@ impl Solved {
         let (problem, point) = (&self.posed.problem, &self.solution.point);
         let context = self.posed.context(self.epochs_s.clone(), point);
         let system = &self.solution.system;
-        let covariance = Covariance::new(
-            &context,
-            point,
-            system,
-            &self.solution.multipliers,
-            &self.errors,
-        )?;
+        let covariance = covariance(&context, &self.solution)?;
         let of = |mechanism: &MechanismIndex| {
             let mut arcs = problem.arcs.iter();
             let arc = arcs.position(|arc| arc.mechanism == *mechanism)?;
@@ -159,6 +154,7 @@ impl Solved {
             epochs_s: self.epochs_s.clone(),
             solution,
             errors,
+            in_time: OnceCell::new(),
         }
     }
 }

@@ -3,12 +3,13 @@
 
 use super::{Posed, Solved, add};
 use crate::estimate::adequacy;
-use crate::estimate::covariance::bins::Residuals;
-use crate::estimate::covariance::linearised::{InTime, free_count, is_too_free, likely};
-use crate::estimate::covariance::noise::mean_squares;
+use crate::estimate::covariance::in_time::{InTime, Strayed, likely};
+use crate::estimate::covariance::linearised::{free_count, is_too_free};
+use crate::estimate::covariance::residuals::{Residuals, mean_squares};
 use crate::estimate::posing::Nodes;
 use crate::estimate::problem::Problem;
 use crate::estimate::problem::influence::Influence;
+use crate::estimate::problem::weave::Kinks;
 use crate::estimate::schedule::recipe::{self, Recipe, Solution};
 use crate::estimate::wander::likelihood::{self, LikelyErrors};
 use crate::estimate::wander::{Process, process};
@@ -119,7 +120,7 @@ fn refined(
             .as_ref()
             .map_or(&start.point, |(_, solution)| &solution.point);
         let exact = posed.problem.without_velocity_gaps();
-        let woven = Posed::new(exact.woven(errors.processes, from, epochs_s));
+        let woven = Posed::new(exact.woven(errors.processes, Kinks::Rounded, from, epochs_s));
         let recipe = match is_motion || best.is_some() {
             true => Recipe::default().from_the_last(),
             false => Recipe::default().without_sweep(),
@@ -163,7 +164,7 @@ fn refined(
 /// directions to tell.
 fn likely_at_start(posed: &Posed, start: &Solution, epochs_s: &[f64]) -> Option<LikelyErrors> {
     let context = posed.context(epochs_s.to_vec(), &start.point);
-    let in_time = InTime::new(&context, start);
+    let in_time = InTime::expected(&context, start, Strayed::Hand);
     let (context, start) = in_time.at(&context, start);
     if is_too_free(&context, &start.system) {
         return None;

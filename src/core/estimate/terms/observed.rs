@@ -18,7 +18,7 @@
 //! residual `L⁻¹ (p, R₀ e)`, the position being that of the tracker; the logarithm `e` then changes by
 //! `J_l⁻¹(e) δ`.
 
-use nalgebra::{Matrix3, Matrix6, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 use super::modelled::Mount;
 use crate::estimate::problem::influence::{Acting, Influence, drag_is_free};
@@ -41,8 +41,6 @@ pub(in crate::estimate) struct Observed {
     pub(in crate::estimate) by_time: Six,
     /// Derivatives by the acting parameters, in their order.
     pub(in crate::estimate) by_acting: Vec<Six>,
-    /// `R₀ᵀ R(s)`, from the body's axes to the frame of the epoch.
-    pub(in crate::estimate) turn: UnitQuaternion<f64>,
 }
 
 /// The flight of one arc as its tracker sees it.
@@ -368,7 +366,6 @@ impl<'a> SampleObserver<'a> {
             by_state,
             by_time,
             by_acting: memory,
-            turn,
         }
     }
 }

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{each_case, moved};
 use crate::estimate::problem::Problem;
+use crate::estimate::problem::weave::Kinks;
 use crate::estimate::terms::context::{Guidance, SolveContext};
 use crate::estimate::terms::objective::Objective;
 use crate::estimate::terms::woven;
@@ -37,7 +38,7 @@ const PROCESSES: [Process; 2] = [
 pub(in crate::estimate) fn each_woven(check: impl Fn(&SolveContext, &Point, &[f64])) {
     each_case(1.0, |context, _, point, lengths| {
         let problem: &Problem = context.problem;
-        let woven = problem.woven(PROCESSES, point, &context.epochs_s);
+        let woven = problem.woven(PROCESSES, Kinks::Rounded, point, &context.epochs_s);
         let layout = Layout::new(&woven);
         let context = SolveContext::new(&woven, &layout, context.epochs_s.clone(), point);
         check(&context, point, lengths);

@@ -18,7 +18,8 @@ use nalgebra::{DVector, Vector3};
 use self::candidates::{STEP, candidates, change};
 use self::linearised::Linearised;
 use super::problem::TreeProblem;
-use crate::estimate::adequacy::asked::{Asked, Strayed};
+use crate::estimate::adequacy::asked::Asked;
+use crate::estimate::covariance::in_time::Strayed;
 use crate::motion::{
     Fit, FitUntold, GoalUnit, JointTree, Observer, Performer, Quantity, Scene, Suspect,
 };

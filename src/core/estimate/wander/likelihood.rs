@@ -90,6 +90,11 @@ pub struct Restricted<'r> {
 }
 
 impl Restricted<'_> {
+    /// Whether there are enough residuals beyond what the motion may follow, of each number of a process three.
+    pub fn is_told(&self) -> bool {
+        3 * self.rows.samples() >= self.free + 3 * Process::COUNT
+    }
+
     /// What follows of errors of these sizes and times; `None` where a number is none.
     pub fn at(&self, processes: &[Process; 2]) -> Option<FittedErrors> {
         let [positions, orientations] = self.products(processes);

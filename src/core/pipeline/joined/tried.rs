@@ -90,15 +90,13 @@ impl TriedField<'_> {
         tree::solve(&problem, &starts, observer)
     }
 
-    /// Where nobody says whether a hand acted, a mistake of the scene explains what is left before a hand does.
     fn refined(&self, scene: Scene, mut solved: Solved, observer: &mut dyn Observer) -> Tried {
-        if scene.performer == Performer::Unsaid {
-            let estimate = self.estimate(&scene, &solved, Detail::Whole, observer);
-            if !estimate.suspects.is_empty() || !solved.shows_hand() {
-                return self.checked(scene, solved, estimate, observer);
-            }
-        }
-        if scene.performer != Performer::Nobody {
+        let is_of_hand = match scene.performer {
+            Performer::Hand => true,
+            Performer::Nobody => false,
+            Performer::Unsaid => solved.shows_hand(),
+        };
+        if is_of_hand {
             solved.refine(observer);
         }
         let estimate = self.estimate(&scene, &solved, Detail::Whole, observer);

@@ -2,8 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Covariance, CovarianceOfErrors};
-use crate::estimate::covariance::bins::Six;
+use super::Covariance;
 use crate::motion::Variance;
 use crate::optimise::Program;
 
@@ -28,7 +27,7 @@ impl Covariance<'_> {
         let answers: Vec<DVector<f64>> = answers.collect();
         let whole = symmetric(count, |row, column| answers[column][unknowns[row]]);
         let form = |square: &dyn Fn(&DVector<f64>) -> f64| polarised(&answers, &whole, square);
-        let (seen, errors) = self.seen_jointly(&answers);
+        let seen = self.seen_jointly(&answers);
         let marks = form(&|answer| self.marks(answer).0);
         let beyond = form(&|answer| self.marks(answer).1);
         let known = &whole - form(&|answer| self.curvature(answer));
@@ -36,62 +35,25 @@ impl Covariance<'_> {
         Variance {
             damped: form(&|answer| self.kkt.damped(answer)),
             informed: &seen + marks + wished,
-            priors: &known - seen + beyond,
+            priors: &known - &seen + beyond,
             known,
-            errors,
+            errors: seen,
             whole,
         }
     }
 
-    /// Information of samples about the answers, and the covariance that their errors make of them.
-    fn seen_jointly(&self, answers: &[DVector<f64>]) -> (DMatrix<f64>, DMatrix<f64>) {
-        let count = answers.len();
-        match &self.errors {
-            CovarianceOfErrors::Found { design, noise } => {
-                let changes = answers.iter().map(|answer| {
-                    let mut changes: Vec<Six> = Vec::new();
-                    design.each_change(answer, |change| changes.push(*change));
-                    changes
-                });
-                let changes: Vec<Vec<Six>> = changes.collect();
-                let sums: Vec<Vec<Six>> = answers.iter().map(|of| design.sums(of)).collect();
-                let strayed: Vec<Vec<Six>> = sums.iter().map(|sums| noise.strayed(sums)).collect();
-                let of_kind = |one: &[Six], other: &[Six], kind: usize| -> f64 {
-                    let axes = 3 * kind..3 * kind + 3;
-                    let pairs = one.iter().zip(other);
-                    pairs
-                        .map(|(one, other)| {
-                            let each = axes.clone().map(|axis| one[axis] * other[axis]);
-                            each.sum::<f64>()
-                        })
-                        .sum()
-                };
-                let squares = [0, 1].map(|kind| {
-                    symmetric(count, |row, column| {
-                        of_kind(&changes[row], &changes[column], kind)
-                    })
-                });
-                let wander = symmetric(count, |row, column| {
-                    let of = |kind| of_kind(&sums[row], &strayed[column], kind);
-                    of(0) + of(1)
-                });
-                let white = noise.white;
-                let errors = &squares[0] * white[0] + &squares[1] * white[1] + wander;
-                let [positions, orientations] = squares;
-                (positions + orientations, errors)
-            }
-            CovarianceOfErrors::Weighed(of_samples) => {
-                let pattern = &self.context.structure().pattern;
-                let products = answers.iter().map(|answer| {
-                    let mut product = DVector::zeros(answer.len());
-                    of_samples.multiply_add(pattern, answer, &mut product);
-                    product
-                });
-                let products: Vec<DVector<f64>> = products.collect();
-                let seen = symmetric(count, |row, column| answers[row].dot(&products[column]));
-                (seen.clone(), seen)
-            }
-        }
+    /// Information of samples about the answers, which is the covariance that their errors make of them.
+    fn seen_jointly(&self, answers: &[DVector<f64>]) -> DMatrix<f64> {
+        let pattern = &self.context.structure().pattern;
+        let products = answers.iter().map(|answer| {
+            let mut product = DVector::zeros(answer.len());
+            self.of_samples.multiply_add(pattern, answer, &mut product);
+            product
+        });
+        let products: Vec<DVector<f64>> = products.collect();
+        symmetric(answers.len(), |row, column| {
+            answers[row].dot(&products[column])
+        })
     }
 }
 

@@ -5,9 +5,8 @@
 //! a pose at a time depends on the state of its flight and on the parameters, and to first order its
 //! deviation is that of a linear combination of those. Derivatives are central differences.
 
-use enact::estimate::covariance::noise::Noise;
+use enact::estimate::adequacy;
 use enact::estimate::covariance::{Covariance, Moment};
-use enact::estimate::outcome::errors;
 use enact::estimate::problem::Problem;
 use enact::estimate::schedule::recipe::{self, Recipe};
 use enact::estimate::terms::context::SolveContext;
@@ -127,25 +126,28 @@ pub fn deviations(outcome: &Outcome, stamps: &[Stamp]) -> Option<Deviations> {
     let solution = recipe::solve_from(&problem, &layout, point, epochs_s.clone(), &recipe, &mut ());
     let (point, system) = (&solution.point, &solution.system);
     let context = SolveContext::new(&problem, &layout, epochs_s, point);
-    let residuals = errors(&problem, &context, point);
-    let mut covariance =
-        Covariance::new(&context, point, system, &solution.multipliers, &residuals)?;
+    let in_time = adequacy::in_time(&context, &solution)?;
+    let (own, there) = in_time.at(&context, &solution);
+    let covariance =
+        |context, system| Covariance::new(context, point, system, &solution.multipliers);
+    let (told, stated) = (
+        covariance(&own, &there.system)?,
+        covariance(&context, system)?,
+    );
     let is_bounded = estimate.parameters.iter().any(|p| p.at_bound.is_some());
     let moments = moments(outcome, (&problem, &layout), stamps)?;
     let sds = |covariance: &Covariance| -> Vec<[Option<f64>; 6]> {
         let sd = |moment: &Moment| {
             let own = covariance.sds(std::slice::from_ref(moment))[0]?;
-            let beyond = is_bounded.then(|| covariance.beyond_bounds(moment));
+            let beyond = is_bounded.then(|| stated.beyond_bounds(moment));
             Some(own.hypot(beyond.unwrap_or(0.0)))
         };
         moments.iter().map(|six| six.each_ref().map(sd)).collect()
     };
-    let reported = sds(&covariance);
-    let [position, orientation] = covariance.noise()?.white.map(f64::sqrt);
-    *covariance.noise_mut()? = Noise::stated();
+    let [position, orientation] = in_time.noise_sds();
     Some(Deviations {
-        sds: reported,
-        stated: sds(&covariance),
+        sds: sds(&told),
+        stated: sds(&stated),
         noise: [
             position * problem.position_unit_m,
             orientation * problem.orientation_unit_rad,

@@ -1,0 +1,169 @@
+//! A motion whose samples were weighed one by one, as if they erred in time: with the errors that its residuals make likely.
+
+use nalgebra::DMatrix;
+
+use super::linearised::{LinearisedSolution, free_count, free_directions};
+use crate::estimate::problem::Problem;
+use crate::estimate::problem::weave::{Kinks, Weave};
+use crate::estimate::schedule::recipe::Solution;
+use crate::estimate::terms::context::{Guidance, SolveContext};
+use crate::estimate::unknowns::layout::Layout;
+use crate::estimate::wander::Process;
+use crate::estimate::wander::likelihood::{LikelyErrors, Restricted};
+use crate::optimise::Program;
+use crate::optimise::kkt::Kkt;
+
+/// What samples err by beside noise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::estimate) enum Strayed {
+    /// A hand, with whose errors the motion was found.
+    Hand,
+    /// Perhaps a hand: each sample was weighed by itself.
+    MaybeHand,
+    /// No hand: flights by themselves show none.
+    NoHand,
+    /// A tracker alone: the scene says that there was no hand.
+    Tracker,
+}
+
+/// The problem of a motion whose samples were weighed one by one, where they err in time.
+#[derive(Clone, Debug)]
+pub struct InTime {
+    problem: Problem,
+    layout: Layout,
+    /// Who may have strayed.
+    pub(in crate::estimate) strayed: Strayed,
+    /// The likeliest errors, with a wander.
+    pub(in crate::estimate) wandering: [Process; 2],
+}
+
+impl InTime {
+    /// With errors as they are expected before anything is seen.
+    pub(in crate::estimate) fn expected(
+        context: &SolveContext,
+        solution: &Solution,
+        strayed: Strayed,
+    ) -> Self {
+        Self::with([Process::EXPECTED; 2], context, solution, strayed)
+    }
+
+    fn with(
+        processes: [Process; 2],
+        context: &SolveContext,
+        solution: &Solution,
+        strayed: Strayed,
+    ) -> Self {
+        let kinks = match strayed {
+            Strayed::Hand | Strayed::MaybeHand => Kinks::Rounded,
+            Strayed::NoHand | Strayed::Tracker => Kinks::Sharp,
+        };
+        let (point, epochs_s) = (&solution.point, &context.epochs_s);
+        let problem = context.problem.woven(processes, kinks, point, epochs_s);
+        Self {
+            layout: Layout::new(&problem),
+            problem,
+            strayed,
+            wandering: processes,
+        }
+    }
+
+    /// With the likeliest errors, of noise alone where nobody strayed; `None` where residuals tell nothing of them.
+    pub(in crate::estimate) fn likely(
+        context: &SolveContext,
+        solution: &Solution,
+        strayed: Strayed,
+    ) -> Option<Self> {
+        let expected = Self::expected(context, solution, strayed);
+        let (own, there) = expected.at(context, solution);
+        let told = Told::new(&own, &there, 0.0)?;
+        let restricted = told.restricted();
+        if !restricted.is_told() {
+            return None;
+        }
+        let from = LikelyErrors::of([Process::EXPECTED; 2]);
+        let wandering = told.lacking(restricted.likely(&from, 0.0)?.processes);
+        let processes = match strayed {
+            Strayed::NoHand => told.lacking(restricted.likeliest_noise()?.processes),
+            Strayed::Hand | Strayed::MaybeHand | Strayed::Tracker => wandering,
+        };
+        Some(Self {
+            wandering,
+            ..Self::with(processes, context, solution, strayed)
+        })
+    }
+
+    /// Standard deviations of noise along an axis, of positions and of turns, in units.
+    pub fn noise_sds(&self) -> [f64; 2] {
+        self.weave().processes.map(|of| of.noise_sd)
+    }
+
+    /// Which samples err together.
+    pub(in crate::estimate) fn weave(&self) -> &Weave {
+        self.problem.weave.as_ref().expect("it is woven")
+    }
+
+    /// The same solution in this problem.
+    pub fn at(&self, context: &SolveContext, solution: &Solution) -> (SolveContext<'_>, Solution) {
+        let epochs_s = context.epochs_s.clone();
+        let own = SolveContext::new(&self.problem, &self.layout, epochs_s, &solution.point);
+        let system = own.evaluated(&Guidance::none(), &solution.point);
+        let solution = Solution {
+            system,
+            ..solution.clone()
+        };
+        (own, solution)
+    }
+}
+
+/// Residuals of a motion whose samples err in time, along what it may follow. Where that are too many directions, residuals are
+/// taken as they are, and errors made greater by what they lack for having been fitted.
+struct Told {
+    linearised: LinearisedSolution,
+    lacking: f64,
+}
+
+impl Told {
+    /// Of samples at least so far apart \[s\].
+    fn new(context: &SolveContext, solution: &Solution, apart_s: f64) -> Option<Self> {
+        let (point, system) = (&solution.point, &solution.system);
+        let kkt = Kkt::new(context, system, &solution.multipliers)?;
+        let free = free_directions(context, system, &kkt);
+        let is_told = free.is_some();
+        let directions = free.unwrap_or_else(|| DMatrix::zeros(context.layout.size(), 0));
+        let count = directions.ncols();
+        // What many directions lack is told of all samples.
+        let kept_s = if is_told { apart_s } else { 0.0 };
+        let linearised = LinearisedSolution::new(context, point, &directions, count, kept_s)?;
+        let rows = (3 * linearised.restricted().rows.samples()) as f64;
+        let left = rows - free_count(context, system) as f64;
+        Some(Self {
+            lacking: match is_told {
+                true => 1.0,
+                false => (rows / left.max(1.0)).sqrt(),
+            },
+            linearised,
+        })
+    }
+
+    fn restricted(&self) -> Restricted<'_> {
+        self.linearised.restricted()
+    }
+
+    fn lacking(&self, processes: [Process; 2]) -> [Process; 2] {
+        processes.map(|of| of.times(self.lacking))
+    }
+}
+
+/// The errors that a motion's residuals make likeliest, of samples at least so far apart \[s\]; `None` where they tell nothing of
+/// them.
+pub(in crate::estimate) fn likely(
+    context: &SolveContext,
+    solution: &Solution,
+    from: &LikelyErrors,
+    apart_s: f64,
+) -> Option<LikelyErrors> {
+    let told = Told::new(context, solution, apart_s)?;
+    let mut likely = told.restricted().likely(from, apart_s)?;
+    likely.processes = told.lacking(likely.processes);
+    Some(likely)
+}
