@@ -20,9 +20,9 @@ use nalgebra::{DMatrix, Vector3};
 pub use self::leaning::leanings;
 
 use self::alone::errors_alone;
-use self::asked::Asked;
+use self::asked::{Asked, Trials};
 use self::candidates::candidates;
-use self::trial::Trials;
+use self::trial::BodyTrials;
 use self::wider::{Wider, unbounded};
 use crate::estimate::covariance::in_time::{InTime, Strayed};
 use crate::estimate::covariance::linearised::{LinearisedSolution, free_directions};
@@ -144,7 +144,7 @@ pub(super) fn judge(
         solution: &there,
         processes: in_time.wandering,
         strayed: in_time.strayed,
-        trials: Some(Trials {
+        trials: (in_time.strayed == Strayed::NoHand).then_some(BodyTrials {
             context,
             solution,
             performance,
@@ -160,12 +160,12 @@ struct ToldMotion<'a> {
     solution: &'a Solution,
     processes: [Process; 2],
     strayed: Strayed,
-    trials: Option<Trials<'a>>,
+    trials: Option<BodyTrials<'a>>,
 }
 
 impl ToldMotion<'_> {
     fn judged(
-        self,
+        &self,
         errors: &[Residuals],
         performance: Performance,
         observer: &mut dyn Observer,
@@ -201,7 +201,7 @@ impl ToldMotion<'_> {
             joint,
             is_far: may_rest && self.is_likelier_at_rest(restricted.rows),
             strayed: self.strayed,
-            trials: self.trials,
+            trials: self.trials.as_ref().map(|of| of as &dyn Trials),
         };
         let fitted = restricted.at(&self.processes);
         let fitted = fitted.ok_or(FitUntold::FewSamples)?;

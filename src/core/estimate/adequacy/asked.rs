@@ -7,7 +7,6 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::trial::Trials;
 use crate::estimate::covariance::in_time::Strayed;
 use crate::estimate::wander::Process;
 use crate::estimate::wander::likelihood::{FittedErrors, Restricted};
@@ -29,7 +28,7 @@ const MOST: usize = 4;
 
 /// How a quantity is looked at: a hand that drifts steadily is like a clock that is slow, another gravity or drag, but its
 /// wander stays where one of them is free.
-fn kept(scene: &Scene, quantity: Quantity) -> KeptQuantity {
+fn kept(scene: &Scene, strayed: Strayed, quantity: Quantity) -> KeptQuantity {
     let is_like_drift = matches!(
         quantity,
         Quantity::ClockRate { .. }
@@ -41,7 +40,10 @@ fn kept(scene: &Scene, quantity: Quantity) -> KeptQuantity {
     );
     KeptQuantity {
         typical: quantity.typical(),
-        explains_least: if is_like_drift { DRIFT } else { 0.0 },
+        explains_least: match is_like_drift && strayed != Strayed::NoHand {
+            true => DRIFT,
+            false => 0.0,
+        },
         room: quantity
             .limits()
             .map(|limit| limit - scene.value_of(quantity)),
@@ -60,14 +62,27 @@ pub(in crate::estimate) struct Asked<'a> {
     pub(in crate::estimate) is_far: bool,
     /// Who may have strayed.
     pub(in crate::estimate) strayed: Strayed,
-    /// Trials of quantities, of bodies by themselves.
-    pub(in crate::estimate) trials: Option<Trials<'a>>,
+    /// How quantities are tried by which a motion may be far off; their slopes decide where it is none.
+    pub(in crate::estimate) trials: Option<&'a dyn Trials>,
+}
+
+/// Quantities set free for a trial.
+pub(in crate::estimate) trait Trials {
+    /// What a quantity explains where the motion is found again with it free, from where its slope leads; `None` where that
+    /// leads to no motion. `fixed` is what follows of the errors where it is not.
+    fn tried(
+        &self,
+        quantity: Quantity,
+        near: &WrongQuantity,
+        fixed: &FittedErrors,
+        observer: &mut dyn Observer,
+    ) -> Option<WrongQuantity>;
 }
 
 /// Looks at quantities one by one, as is asked.
 struct AskedLooker<'a> {
     asked: &'a Asked<'a>,
-    trials: Option<&'a Trials<'a>>,
+    trials: Option<&'a dyn Trials>,
     observer: &'a mut dyn Observer,
 }
 
@@ -94,19 +109,18 @@ impl Asked<'_> {
         observer: &mut dyn Observer,
     ) -> Result<(Fit, Vec<Suspect>), FitUntold> {
         let each = self.quantities.iter();
-        let kept: Vec<KeptQuantity> = each.map(|of| kept(self.scene, *of)).collect();
+        let kept: Vec<KeptQuantity> = each.map(|of| kept(self.scene, self.strayed, *of)).collect();
         let alone = NoiseAlone::of(of, fitted).ok_or(FitUntold::FewSamples)?;
-        let (by_noise, is_noise) = (alone.test, alone.explains());
+        let is_noise = alone.explains();
         // What noise explains is not taken for a wander, nor what a hand left that did not stray in flight.
         let told = match is_noise || self.strayed == Strayed::NoHand {
             true => &alone.fitted,
             false => fitted,
         };
-        // What is far off is looked at where nothing else may be left: neither a hand's wander, nor noise.
-        let is_misfit = !is_noise && self.strayed == Strayed::NoHand;
         let mut looker = AskedLooker {
             asked: self,
-            trials: self.trials.as_ref().filter(|_| is_misfit),
+            // What noise explains is not far off.
+            trials: self.trials.filter(|_| !is_noise),
             observer,
         };
         let judgement = wrong::judge(of, told, &kept, &mut looker);
@@ -120,11 +134,13 @@ impl Asked<'_> {
         let fits = match () {
             () if !suspects.is_empty() || self.is_far => Fits::No,
             () if is_as_said => Fits::Yes,
-            () if self.strayed == Strayed::Tracker || is_no_hand(of, told) => Fits::No,
-            () if self.strayed == Strayed::NoHand && by_noise.probability < NOT => Fits::No,
-            () if self.strayed == Strayed::NoHand && !is_noise => Fits::Unknown,
-            () if self.hides_joints(&judgement) => Fits::Unknown,
-            () => Fits::Yes,
+            () if is_no_hand(of, told) => Fits::No,
+            () => self
+                .without_suspects(&alone)
+                .max(match self.hides_joints(&judgement) {
+                    true => Fits::Unknown,
+                    false => Fits::Yes,
+                }),
         };
         let each = self.quantities.iter().zip(&judgement.shows);
         let joints = each.clone().filter_map(|(quantity, shows)| {
@@ -137,7 +153,7 @@ impl Asked<'_> {
             joint: self.joint,
             noise: [0, 1]
                 .map(|kind| 3_f64.sqrt() * noise.processes[kind].noise_sd * of.rows.unit(kind)),
-            by_noise,
+            by_noise: alone.test,
             is_noise,
             is_of_hand: self.strayed == Strayed::Hand,
             shown_m: joints.reduce(f64::max),
@@ -147,6 +163,17 @@ impl Asked<'_> {
                 .collect(),
         };
         Ok((fit, suspects))
+    }
+
+    /// What is left where nothing is suspected.
+    fn without_suspects(&self, alone: &NoiseAlone) -> Fits {
+        match self.strayed {
+            Strayed::Hand | Strayed::MaybeHand => Fits::Yes,
+            Strayed::Tracker => Fits::No,
+            Strayed::NoHand if alone.explains() => Fits::Yes,
+            Strayed::NoHand if alone.test.probability < NOT => Fits::No,
+            Strayed::NoHand => Fits::Unknown,
+        }
     }
 
     /// Whether residuals are not greater than the scene's weights say.

@@ -2,6 +2,7 @@
 
 use nalgebra::DVector;
 
+use super::asked::Trials;
 use super::wider::Wider;
 use crate::estimate::covariance::in_time::{InTime, Strayed};
 use crate::estimate::covariance::linearised::{LinearisedSolution, free_directions};
@@ -15,16 +16,14 @@ use crate::optimise::finish::Tolerances;
 use crate::optimise::kkt::Kkt;
 
 /// A motion whose samples were weighed one by one, and that no hand acted.
-pub(in crate::estimate) struct Trials<'a> {
+pub(super) struct BodyTrials<'a> {
     pub(super) context: &'a SolveContext<'a>,
     pub(super) solution: &'a Solution,
     pub(super) performance: Performance<'a>,
 }
 
-impl Trials<'_> {
-    /// What a quantity explains where the motion is found again with it free, from where its slope leads; `None` where that
-    /// leads to no motion. `fixed` is what follows of noise where it is not.
-    pub(super) fn tried(
+impl Trials for BodyTrials<'_> {
+    fn tried(
         &self,
         quantity: Quantity,
         near: &WrongQuantity,
@@ -63,21 +62,7 @@ impl Trials<'_> {
         let along: DVector<f64> = free.row(own.layout.parameters[wider.first]).transpose();
         let sd = along.dot(&fitted.information.solve(&along)).sqrt();
         let change = there.point.parameters[wider.first] - given;
-        let typical = quantity.typical();
-        // Restricted likelihoods of other means are not comparable.
-        let merit = |of: &FittedErrors| of.merit - of.information.ln_determinant();
-        let price = (typical / sd).hypot(1.0).ln() + 0.5 * (change / typical).powi(2);
-        let explains = [0, 1].map(|kind| {
-            let [with, without] = [&fitted, fixed].map(|of| of.processes[kind].noise_sd);
-            1.0 - (with / without).powi(2)
-        });
-        Some(WrongQuantity {
-            index: near.index,
-            change,
-            deviations: change / sd,
-            log_odds: 0.5 * (merit(fixed) - merit(&fitted)) - price,
-            explains: explains[0].max(explains[1]).clamp(0.0, 1.0),
-        })
+        Some(near.found(change, sd, quantity.typical(), [&fitted, fixed]))
     }
 }
 

@@ -12,11 +12,13 @@ mod linear;
 pub(super) mod linearised;
 #[cfg(test)]
 mod tests;
+mod trial;
 
 use nalgebra::{DVector, Vector3};
 
 use self::candidates::{STEP, candidates, change};
 use self::linearised::Linearised;
+use self::trial::TreeTrials;
 use super::problem::TreeProblem;
 use crate::estimate::adequacy::asked::Asked;
 use crate::estimate::covariance::in_time::Strayed;
@@ -64,7 +66,7 @@ pub(super) fn judge(
             (None, Performer::Nobody) => Strayed::Tracker,
             (None, Performer::Hand | Performer::Unsaid) => Strayed::MaybeHand,
         },
-        trials: None,
+        trials: Some(&TreeTrials { scene, of }),
     };
     asked.judged(&restricted, &fitted, observer)
 }

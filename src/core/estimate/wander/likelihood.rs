@@ -65,9 +65,21 @@ pub struct FittedErrors {
     pub information: Cholesky<f64, Dyn>,
     /// `[u r]ᵀ P [u r]` of the columns after the free ones.
     pub left: DMatrix<f64>,
+    /// Whether there are samples of each kind.
+    pub shown: [bool; 2],
 }
 
 impl FittedErrors {
+    /// Variance of the wander of the kinds that are shown, in units, or where nothing strays, of the noise.
+    pub fn strayed(&self) -> f64 {
+        let kinds = (0..2).filter(|kind| self.shown[*kind]);
+        let each = kinds.map(|kind| match &self.processes[kind] {
+            process if process.wanders() => process.wander_variance(),
+            process => process.noise_sd.powi(2),
+        });
+        each.sum()
+    }
+
     /// Standard deviation along a direction in which the motion may go.
     pub fn deviation(&self, direction: usize) -> f64 {
         let mut unit = DVector::zeros(self.information.l_dirty().nrows());
@@ -312,6 +324,7 @@ impl Restricted<'_> {
             answer: information.solve(&across.column(others - 1)),
             information,
             left,
+            shown: [0, 1].map(|kind| self.rows.shows(kind)),
         })
     }
 }

@@ -9,6 +9,7 @@ use nalgebra::DMatrix;
 
 use super::likelihood::{APART_S, FittedErrors, Restricted};
 use super::process::Process;
+use super::series::SeriesRows;
 
 /// Deviations beyond which a quantity is wrong,
 pub const WRONG: f64 = 4.0;
@@ -58,6 +59,40 @@ pub struct WrongQuantity {
     pub explains: f64,
 }
 
+impl WrongQuantity {
+    /// What a motion tells that was found with a quantity free, which changed by so much, beside the one with it fixed. The
+    /// deviation is that of the quantity.
+    pub fn found(
+        &self,
+        change: f64,
+        sd: f64,
+        typical: f64,
+        [with, fixed]: [&FittedErrors; 2],
+    ) -> Self {
+        // Restricted likelihoods of other means are not comparable.
+        let merit = |of: &FittedErrors| of.merit - of.information.ln_determinant();
+        let price = (typical / sd).hypot(1.0).ln() + 0.5 * (change / typical).powi(2);
+        Self {
+            index: self.index,
+            change,
+            deviations: change / sd,
+            log_odds: 0.5 * (merit(fixed) - merit(with)) - price,
+            explains: explained(with, fixed),
+        }
+    }
+}
+
+/// Samples that tell of such errors: of a wander those that are not nearer to one another than a hand moves, of noise every one.
+pub fn telling(rows: &SeriesRows, processes: &[Process; 2]) -> SeriesRows {
+    let wanders = processes.iter().any(Process::wanders);
+    rows.thinned(if wanders { APART_S } else { 0.0 })
+}
+
+/// Share of what strays that goes with a quantity.
+fn explained(with: &FittedErrors, fixed: &FittedErrors) -> f64 {
+    (1.0 - with.strayed() / fixed.strayed()).clamp(0.0, 1.0)
+}
+
 /// What a motion's samples say of quantities that are kept fixed.
 #[derive(Clone, Debug)]
 pub struct Judgement {
@@ -100,10 +135,18 @@ pub fn judge(
         .collect();
     tried.sort_unstable();
     tried.dedup();
-    let mut wrong = Vec::new();
-    let wanders = fitted.processes.iter().any(Process::wanders);
-    // Of noise every sample tells.
-    let rows = of.rows.thinned(if wanders { APART_S } else { 0.0 });
+    let is_likely = |one: &WrongQuantity| one.deviations.abs() > WRONG && one.log_odds > ODDS;
+    // What would have to leave what is physical explains nothing.
+    let may_be = |one: &WrongQuantity| {
+        let KeptQuantity {
+            room,
+            explains_least,
+            ..
+        } = kept[one.index];
+        one.change.clamp(room[0], room[1]) != 0.0 && one.explains >= explains_least
+    };
+    let mut wrong: Vec<WrongQuantity> = Vec::new();
+    let rows = telling(of.rows, &fitted.processes);
     let thin = Restricted { rows: &rows, ..*of };
     let fixed = (!tried.is_empty()).then(|| thin.likeliest(&fitted.processes));
     if let Some(fixed) = fixed.flatten() {
@@ -111,18 +154,21 @@ pub fn judge(
             if looker.should_stop() {
                 return None;
             }
-            let of = &kept[index];
-            let near = with_one(&thin, &fixed, index, of.typical);
-            let one = near.and_then(|near| looker.tried(near, &fixed));
-            wrong.extend(one.filter(|one| {
-                // What would have to leave what is physical explains nothing.
-                let may_be = one.change.clamp(of.room[0], of.room[1]) != 0.0;
-                may_be && one.explains >= of.explains_least
-            }));
+            wrong.extend(with_one(&thin, &fixed, index, kept[index].typical));
+        }
+        // Where one is wrong, slopes may not tell which.
+        if wrong.iter().any(|one| is_likely(one) && may_be(one)) {
+            let slopes = std::mem::take(&mut wrong);
+            for near in slopes {
+                if looker.should_stop() {
+                    return None;
+                }
+                wrong.extend(looker.tried(near, &fixed));
+            }
         }
     }
+    wrong.retain(may_be);
     wrong.sort_by(|a: &WrongQuantity, b| b.log_odds.total_cmp(&a.log_odds));
-    let is_likely = |one: &WrongQuantity| one.deviations.abs() > WRONG && one.log_odds > ODDS;
     let best = wrong.iter().copied().find(is_likely);
     wrong.retain(|one| {
         // What explains nearly as well is not told from it.
@@ -156,19 +202,11 @@ fn with_one(
     };
     let fitted = with.likeliest(&fixed.processes)?;
     let change = -fitted.answer[free];
-    let strayed = |of: &FittedErrors| -> f64 {
-        let kinds = (0..2).filter(|kind| rows.shows(*kind));
-        let each = kinds.map(|kind| match &of.processes[kind] {
-            process if process.wanders() => process.wander_variance(),
-            process => process.noise_sd.powi(2),
-        });
-        each.sum()
-    };
     Some(WrongQuantity {
         index,
         change,
         deviations: change / fitted.deviation(free),
         log_odds: 0.5 * (fixed.merit - fitted.merit) - typical.ln(),
-        explains: (1.0 - strayed(&fitted) / strayed(fixed)).clamp(0.0, 1.0),
+        explains: explained(&fitted, fixed),
     })
 }

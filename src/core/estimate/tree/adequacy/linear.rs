@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::{RATE_SD_RAD_S, TreeProblem};
-use crate::estimate::tree::program::{Part, TreeProgram};
+use crate::estimate::tree::program::{Part, REGULARISER, TreeProgram};
 use crate::estimate::tree::sample::Residual;
 use crate::estimate::wander::series::Series;
 use crate::math::span::Span;
@@ -210,6 +210,35 @@ impl Linear {
     /// `u` of a quantity.
     pub(super) fn total(&self, held: &HeldDirections, change: &LinearChange) -> DVector<f64> {
         &change.residuals + &self.by * held.follow(change)
+    }
+
+    /// The step of Gauss and Newton in the unknowns, and in a quantity with this change; `information` holds what nothing
+    /// tells. `None` where nothing tells the quantity.
+    pub(super) fn step(
+        &self,
+        change: &LinearChange,
+        information: f64,
+    ) -> Option<(DVector<f64>, f64)> {
+        let held = self.held();
+        let to_rows = -&held.along_rows * &self.rows;
+        let residuals = &self.residuals + &self.by * &to_rows;
+        let total = self.total(&held, change);
+        let free = held.free.ncols();
+        let mut columns = held.free.clone().insert_column(free, 0.0);
+        columns.set_column(free, &total);
+        let mut normal = columns.tr_mul(&columns);
+        for at in 0..free {
+            normal[(at, at)] += REGULARISER * information;
+        }
+        let answer = -normal.cholesky()?.solve(&columns.tr_mul(&residuals));
+        let by = answer[free];
+        let step = to_rows + &held.basis * answer.rows(0, free) + held.follow(change) * by;
+        Some((step, by))
+    }
+
+    /// Half the squares of all residuals, and by how much rows do not hold, in units.
+    pub(super) fn merit(&self) -> (f64, f64) {
+        (0.5 * self.residuals.norm_squared(), self.rows.lp_norm(1))
     }
 
     /// The change of a quantity from two motions that differ in it alone, by so much.
