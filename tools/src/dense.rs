@@ -44,12 +44,10 @@ impl Uncertainty {
         let (point, system) = (&solution.point, &solution.system);
         let context = SolveContext::new(problem, layout, recipe::epochs_s(guess), point);
         let multipliers = &solution.multipliers;
-        let solved = Covariance::new(&context, point, system, multipliers)?;
         let in_time = adequacy::in_time(&context, &solution)?;
-        let (own, there) = in_time.at(&context, &solution);
-        let told = Covariance::new(&own, point, &there.system, multipliers)?;
+        let covariance = Covariance::new(&context, point, system, multipliers, Some(&in_time))?;
         let all: Vec<usize> = (0..layout.size()).collect();
-        let library = solved.of(&all);
+        let library = covariance.of(&all);
         let Exact { free, scale, exact } = Exact::of(&context, system)?;
         Some(Self {
             error: error(case, posed, point, &context.epochs_s, offset_s),
@@ -58,7 +56,7 @@ impl Uncertainty {
             scale,
             library,
             white: in_time.noise_sds().map(|sd| sd * sd),
-            sds: told.sds(&all.iter().map(|at| vec![(*at, 1.0)]).collect::<Vec<_>>()),
+            sds: covariance.sds(&all.iter().map(|at| vec![(*at, 1.0)]).collect::<Vec<_>>()),
         })
     }
 

@@ -13,7 +13,6 @@ mod wandering;
 use std::cell::OnceCell;
 use std::cmp::Ordering;
 
-use self::deviation::Covariances;
 use crate::estimate::adequacy;
 use crate::estimate::covariance::Covariance;
 use crate::estimate::covariance::in_time::InTime;
@@ -131,22 +130,13 @@ impl Solved {
         let context = posed.context(epochs_s, &solution.point);
         // Without time for them nothing is told to be determined.
         let has_time = !observer.should_stop();
-        let in_time =
-            has_time.then(|| in_time.get_or_init(|| adequacy::in_time(&context, &solution)));
-        let there = in_time
-            .and_then(Option::as_ref)
-            .map(|of| of.at(&context, &solution));
-        let covariances = Covariances {
-            solved: has_time.then(|| covariance(&context, &solution)).flatten(),
-            told: there
-                .as_ref()
-                .and_then(|(context, solution)| covariance(context, solution)),
-        };
-        deviation::fill(&mut estimate, scene, &context, &solution, &covariances);
-        let known = covariances
-            .known()
-            .filter(|_| which == Deviations::OfMotion);
-        if let Some(known) = known {
+        let told = || in_time.get_or_init(|| adequacy::in_time(&context, &solution));
+        let in_time = has_time.then(told).and_then(Option::as_ref);
+        let covariance = has_time.then(|| covariance(&context, &solution, in_time));
+        let covariance = covariance.flatten();
+        let known = covariance.as_ref();
+        deviation::fill(&mut estimate, scene, &context, &solution, known);
+        if let Some(known) = known.filter(|_| which == Deviations::OfMotion) {
             deviation::fill_flights(&mut estimate, &context, &solution.point, known);
         }
         estimate
@@ -238,8 +228,12 @@ pub fn estimate(
     }
 }
 
-fn covariance<'a>(context: &'a SolveContext<'a>, of: &'a Solution) -> Option<Covariance<'a>> {
-    Covariance::new(context, &of.point, &of.system, &of.multipliers)
+fn covariance<'a>(
+    context: &'a SolveContext<'a>,
+    of: &'a Solution,
+    in_time: Option<&'a InTime>,
+) -> Option<Covariance<'a>> {
+    Covariance::new(context, &of.point, &of.system, &of.multipliers, in_time)
 }
 
 /// A problem with its layout.

@@ -5,17 +5,12 @@
 //! one quantity explains it better ([`wrong`]), where the hand would have strayed farther than any does, and where there was
 //! none.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF};
-
 use crate::estimate::covariance::in_time::Strayed;
-use crate::estimate::wander::Process;
-use crate::estimate::wander::likelihood::{FittedErrors, Restricted};
+use crate::estimate::wander::likelihood::{FittedErrors, NoiseAlone, Restricted};
 use crate::estimate::wander::wrong::{self, Judgement, KeptQuantity, Looker, WrongQuantity};
-use crate::motion::{Fit, FitUntold, Fits, Observer, Quantity, Scene, Suspect, Tested};
+use crate::motion::{Fit, FitUntold, Fits, Observer, Quantity, Scene, Suspect};
 
-/// Above this probability of the data under white noise they fit without a wander,
-const WELL: f64 = 1e-3;
-/// and below this one nothing else explains them where there was no hand.
+/// Below this probability of the residuals under noise alone nothing explains them where there was no hand.
 const NOT: f64 = 1e-9;
 /// A hand that strays farther than this, in units of the scene's weights, is none.
 const FAR: f64 = 10.0;
@@ -216,40 +211,6 @@ fn is_no_hand(of: &Restricted, fitted: &FittedErrors) -> bool {
     let strays = (0..2).filter(|kind| of.rows.shows(*kind));
     let strays = strays.map(|kind| fitted.processes[kind].wander_variance().sqrt());
     strays.fold(0.0, f64::max) > FAR
-}
-
-/// Residuals taken for noise alone.
-pub(in crate::estimate) struct NoiseAlone {
-    fitted: FittedErrors,
-    /// Against noise and a wander, by the ratio of their likelihoods.
-    test: Tested,
-}
-
-impl NoiseAlone {
-    /// Beside the likeliest errors with a wander; `None` where too few residuals are beyond what the motion may follow.
-    pub(in crate::estimate) fn of(of: &Restricted, wandering: &FittedErrors) -> Option<Self> {
-        if !of.is_told() {
-            return None;
-        }
-        let fitted = of.likeliest_noise()?;
-        let kinds = (0..2).filter(|kind| of.rows.shows(*kind)).count();
-        let freedom = (Process::COUNT - 1) * kinds;
-        let statistic = (fitted.merit - wandering.merit).max(0.0);
-        let law = ChiSquared::new(freedom as f64).ok()?;
-        Some(Self {
-            fitted,
-            test: Tested {
-                statistic,
-                freedom,
-                probability: law.sf(statistic),
-            },
-        })
-    }
-
-    /// Whether that explains them.
-    pub(in crate::estimate) fn explains(&self) -> bool {
-        self.test.probability >= WELL
-    }
 }
 
 /// The likeliest, and those that explain the performance as well. Of the components of one thing, the one that explains

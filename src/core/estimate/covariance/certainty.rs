@@ -4,6 +4,7 @@ mod joint;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::in_time::InTime;
 use crate::estimate::terms::context::SolveContext;
 use crate::estimate::terms::held;
 use crate::estimate::unknowns::point::Point;
@@ -26,17 +27,21 @@ pub struct Covariance<'a> {
     curved: Option<Envelope>,
     /// Gradient of the Lagrangian without the pulls of bounds: where these act, it is not zero.
     slope: DVector<f64>,
-    /// The samples' own part of the Hessian: the weights are those of the errors.
+    /// The samples' own part of the Hessian.
     of_samples: Envelope,
+    /// What samples err by, where weights are not those of their errors.
+    in_time: Option<&'a InTime>,
 }
 
 impl<'a> Covariance<'a> {
-    /// The covariances at an optimum; `None` where the matrix cannot be factorised.
+    /// The covariances at an optimum; `None` where the matrix cannot be factorised. Where nothing is known of what samples err
+    /// by, weights are those of their errors.
     pub fn new(
         context: &'a SolveContext<'a>,
         point: &'a Point,
         system: &'a System,
         multipliers: &[f64],
+        in_time: Option<&'a InTime>,
     ) -> Option<Self> {
         let curved = curved(context, (point, system), multipliers);
         let kkt = with_soft_bounds(context, system, curved.as_ref(), multipliers)?;
@@ -49,6 +54,7 @@ impl<'a> Covariance<'a> {
             curved,
             slope,
             of_samples: context.of_samples(point),
+            in_time,
         })
     }
 
@@ -67,12 +73,14 @@ impl<'a> Covariance<'a> {
     /// Standard deviations of linear combinations of unknowns; `None` where one is empty, or where
     /// the performance does not determine it.
     pub fn sds(&self, sums: &[Moment]) -> Vec<Option<f64>> {
-        let sd = |sum: &Moment| {
-            let answer = self.answer(sum);
+        let answers: Vec<DVector<f64>> = sums.iter().map(|sum| self.answer(sum)).collect();
+        let errors = self.spread(&answers);
+        let each = sums.iter().zip(&answers).enumerate();
+        let each = each.map(|(at, (sum, answer))| {
             let own: f64 = sum.iter().map(|(at, factor)| factor * answer[*at]).sum();
-            self.sd_of_answer(own, &answer)
-        };
-        let each = sums.iter().map(|sum| (!sum.is_empty()).then(|| sd(sum)));
+            let errors = errors.as_ref().map(|of| of[(at, at)]);
+            (!sum.is_empty()).then(|| self.sd(own, answer, errors))
+        });
         each.map(Option::flatten).collect()
     }
 
@@ -85,6 +93,11 @@ impl<'a> Covariance<'a> {
     /// Standard deviation of the quantity `mᵀu` with `answer = P m` and `own = mᵀ P m`; `None`
     /// where the performance does not determine it.
     pub fn sd_of_answer(&self, own: f64, answer: &DVector<f64>) -> Option<f64> {
+        let errors = self.spread(std::slice::from_ref(answer));
+        self.sd(own, answer, errors.map(|of| of[(0, 0)]))
+    }
+
+    fn sd(&self, own: f64, answer: &DVector<f64>, errors: Option<f64>) -> Option<f64> {
         let seen = self.seen(answer);
         let (marks, beyond) = self.marks(answer);
         // Curvature leads errors on to what it holds; it is not known better for that.
@@ -94,13 +107,19 @@ impl<'a> Covariance<'a> {
             damped: self.kkt.damped(answer),
             informed: seen + marks + self.wished(answer),
             known,
-            errors: seen,
+            errors: errors.unwrap_or(seen),
             priors: known - seen + beyond,
         };
         variance.sd()
     }
 
-    /// Information of samples about an answer, which is the variance that their errors make of it.
+    /// What the errors of samples make of answers, where weights are not those of errors.
+    fn spread(&self, answers: &[DVector<f64>]) -> Option<DMatrix<f64>> {
+        let in_time = self.in_time.filter(|_| !answers.is_empty())?;
+        in_time.spread(self.context, self.point, &DMatrix::from_columns(answers))
+    }
+
+    /// Information of samples about an answer.
     fn seen(&self, answer: &DVector<f64>) -> f64 {
         let mut product = DVector::zeros(answer.len());
         let pattern = &self.context.structure().pattern;

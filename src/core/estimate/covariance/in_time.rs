@@ -7,9 +7,12 @@ use crate::estimate::problem::Problem;
 use crate::estimate::problem::weave::{Kinks, Weave};
 use crate::estimate::schedule::recipe::Solution;
 use crate::estimate::terms::context::{Guidance, SolveContext};
+use crate::estimate::terms::woven;
 use crate::estimate::unknowns::layout::Layout;
+use crate::estimate::unknowns::point::Point;
 use crate::estimate::wander::Process;
-use crate::estimate::wander::likelihood::{LikelyErrors, Restricted};
+use crate::estimate::wander::likelihood::{LikelyErrors, NoiseAlone, Restricted};
+use crate::estimate::wander::spread::spread;
 use crate::optimise::Program;
 use crate::optimise::kkt::Kkt;
 
@@ -35,6 +38,8 @@ pub struct InTime {
     pub(in crate::estimate) strayed: Strayed,
     /// The likeliest errors, with a wander.
     pub(in crate::estimate) wandering: [Process; 2],
+    /// The errors that samples have: noise alone where it explains them, and where nobody strayed.
+    errors: [Process; 2],
 }
 
 impl InTime {
@@ -44,30 +49,23 @@ impl InTime {
         solution: &Solution,
         strayed: Strayed,
     ) -> Self {
-        Self::with([Process::EXPECTED; 2], context, solution, strayed)
-    }
-
-    fn with(
-        processes: [Process; 2],
-        context: &SolveContext,
-        solution: &Solution,
-        strayed: Strayed,
-    ) -> Self {
         let kinks = match strayed {
             Strayed::Hand | Strayed::MaybeHand => Kinks::Rounded,
             Strayed::NoHand | Strayed::Tracker => Kinks::Sharp,
         };
+        let expected = [Process::EXPECTED; 2];
         let (point, epochs_s) = (&solution.point, &context.epochs_s);
-        let problem = context.problem.woven(processes, kinks, point, epochs_s);
+        let problem = context.problem.woven(expected, kinks, point, epochs_s);
         Self {
             layout: Layout::new(&problem),
             problem,
             strayed,
-            wandering: processes,
+            wandering: expected,
+            errors: expected,
         }
     }
 
-    /// With the likeliest errors, of noise alone where nobody strayed; `None` where residuals tell nothing of them.
+    /// With the likeliest errors; `None` where residuals tell nothing of them.
     pub(in crate::estimate) fn likely(
         context: &SolveContext,
         solution: &Solution,
@@ -80,21 +78,38 @@ impl InTime {
         if !restricted.is_told() {
             return None;
         }
-        let from = LikelyErrors::of([Process::EXPECTED; 2]);
-        let wandering = told.lacking(restricted.likely(&from, 0.0)?.processes);
-        let processes = match strayed {
-            Strayed::NoHand => told.lacking(restricted.likeliest_noise()?.processes),
-            Strayed::Hand | Strayed::MaybeHand | Strayed::Tracker => wandering,
+        let wandering = restricted.likeliest(&[Process::EXPECTED; 2])?;
+        let alone = NoiseAlone::of(&restricted, &wandering)?;
+        let errors = match strayed == Strayed::NoHand || alone.explains() {
+            true => alone.fitted.processes,
+            false => wandering.processes,
         };
+        let (wandering, errors) = (told.lacking(wandering.processes), told.lacking(errors));
         Some(Self {
             wandering,
-            ..Self::with(processes, context, solution, strayed)
+            errors,
+            ..expected
         })
     }
 
     /// Standard deviations of noise along an axis, of positions and of turns, in units.
     pub fn noise_sds(&self) -> [f64; 2] {
-        self.weave().processes.map(|of| of.noise_sd)
+        self.errors.map(|of| of.noise_sd)
+    }
+
+    /// What the errors of samples make of answers of the unknowns to them, a column each: `Yᵀ V Y` with `Y = J X`. `None` where
+    /// the parameters make no body.
+    pub(in crate::estimate) fn spread(
+        &self,
+        context: &SolveContext,
+        point: &Point,
+        answers: &DMatrix<f64>,
+    ) -> Option<DMatrix<f64>> {
+        let epochs_s = context.epochs_s.clone();
+        let own = SolveContext::new(&self.problem, &self.layout, epochs_s, point);
+        let (series, rows) = woven::rows(&own, point, self.weave(), answers, 0.0)?;
+        let changes = rows.columns(0, answers.ncols()).into_owned();
+        Some(spread(&series, &changes, &self.errors))
     }
 
     /// Which samples err together.

@@ -49,7 +49,7 @@ fn what_is_told_of_unknowns_together_is_what_is_told_of_each_sum() {
         let system = context.evaluated(&Guidance::none(), point);
         let rows: usize = system.blocks.iter().map(|of| of.values.len()).sum();
         let multipliers = vec![0.0; rows];
-        let covariance = Covariance::new(context, point, &system, &multipliers);
+        let covariance = Covariance::new(context, point, &system, &multipliers, None);
         let Some(covariance) = covariance else { return };
         for arc in 0..context.problem.arcs.len() {
             let parameters = context.layout.parameters.iter().copied();

@@ -12,21 +12,6 @@ use crate::motion::{
     AtBound, Estimate, FlightCertainty, FlightChange, MotionPart, Scene, Undetermined, Verdict,
 };
 
-/// Covariances at a solution.
-pub struct Covariances<'a> {
-    /// With weights as the solution has them.
-    pub solved: Option<Covariance<'a>>,
-    /// With those of its likeliest errors, where it was found without.
-    pub told: Option<Covariance<'a>>,
-}
-
-impl<'a> Covariances<'a> {
-    /// What is known of the unknowns.
-    pub fn known(&self) -> Option<&Covariance<'a>> {
-        self.told.as_ref().or(self.solved.as_ref())
-    }
-}
-
 /// Sets the standard deviations of events, duration and parameters of an estimate, `None` for fixed
 /// or undetermined ones, and lists what is undetermined. Where the matrix cannot be factorised,
 /// nothing is determined.
@@ -35,9 +20,8 @@ pub fn fill(
     scene: &Scene,
     context: &SolveContext,
     solution: &Solution,
-    covariances: &Covariances,
+    covariance: Option<&Covariance>,
 ) {
-    let covariance = covariances.known();
     let sds = |moments: &[Moment]| match covariance {
         Some(covariance) => covariance.sds(moments),
         None => vec![None; moments.len()],
@@ -50,9 +34,8 @@ pub fn fill(
     let mut each = moments.iter().zip(sds(&moments));
     // At a bound the deviation covers what the performance asks for beyond it.
     let covering = |sd: Option<f64>, moment: &Moment, at_bound: Option<AtBound>| {
-        let solved = covariances.solved.as_ref();
-        let solved = solved.filter(|_| at_bound.is_some());
-        let beyond = solved.map_or(0.0, |covariance| covariance.beyond_bounds(moment));
+        let covariance = covariance.filter(|_| at_bound.is_some());
+        let beyond = covariance.map_or(0.0, |covariance| covariance.beyond_bounds(moment));
         sd.map(|sd| sd.hypot(beyond))
     };
     let mut undetermined_times = Vec::new();
@@ -80,7 +63,7 @@ pub fn fill(
     let (lasting, own_s) = each.next().expect("the last moment is the duration's");
     // A fixed time line has no deviation.
     let own_s = if lasting.is_empty() { Some(0.0) } else { own_s };
-    let contradiction_s = covariances.solved.as_ref().map_or(0.0, |covariance| {
+    let contradiction_s = covariance.map_or(0.0, |covariance| {
         timing::contradiction_s(context, &solution.system, covariance)
     });
     estimate.duration.sd_s = own_s.map(|own_s| own_s.hypot(contradiction_s));

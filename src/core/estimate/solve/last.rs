@@ -24,13 +24,7 @@ impl Solved {
     pub fn last_states(&self) -> Option<Vec<LastState>> {
         let (problem, point) = (&self.posed.problem, &self.solution.point);
         let context = self.posed.context(self.epochs_s.clone(), point);
-        let there = self
-            .in_time(&context)
-            .map(|of| of.at(&context, &self.solution));
-        let covariance = match &there {
-            Some((context, solution)) => covariance(context, solution),
-            None => covariance(&context, &self.solution),
-        }?;
+        let covariance = covariance(&context, &self.solution, self.in_time(&context))?;
         let arcs = problem.arcs.iter().enumerate();
         let is_last = |arc: usize, mechanism: MechanismIndex| {
             let mut later = problem.arcs[arc + 1..].iter();

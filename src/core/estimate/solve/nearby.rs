@@ -39,7 +39,7 @@ impl Solved {
         let (problem, point) = (&self.posed.problem, &self.solution.point);
         let context = self.posed.context(self.epochs_s.clone(), point);
         let system = &self.solution.system;
-        let covariance = covariance(&context, &self.solution)?;
+        let covariance = covariance(&context, &self.solution, None)?;
         let of = |mechanism: &MechanismIndex| {
             let mut arcs = problem.arcs.iter();
             let arc = arcs.position(|arc| arc.mechanism == *mechanism)?;

@@ -11,10 +11,14 @@
 //! logarithm. The best are found by Broyden, Fletcher, Goldfarb and Shanno's method.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::process::{LogProcess, Process};
 use super::series::{SeriesRows, WhitenedProducts};
+use crate::motion::Tested;
 
+/// Above this probability of the residuals under noise alone, noise explains them.
+const WELL: f64 = 1e-3;
 /// Spread of the logarithm of each number of a process about what is expected.
 const SPREADS: LogProcess = [1.5, 1.0, 1.5, 0.8, 1.5];
 /// Samples that are nearer to one another tell little more of a hand \[s\].
@@ -326,6 +330,42 @@ impl Restricted<'_> {
             left,
             shown: [0, 1].map(|kind| self.rows.shows(kind)),
         })
+    }
+}
+
+/// Residuals taken for noise alone.
+#[derive(Clone, Debug)]
+pub struct NoiseAlone {
+    /// What follows of it.
+    pub fitted: FittedErrors,
+    /// Against noise and a wander, by the ratio of their likelihoods.
+    pub test: Tested,
+}
+
+impl NoiseAlone {
+    /// Beside the likeliest errors with a wander; `None` where too few residuals are beyond what the motion may follow.
+    pub fn of(of: &Restricted, wandering: &FittedErrors) -> Option<Self> {
+        if !of.is_told() {
+            return None;
+        }
+        let fitted = of.likeliest_noise()?;
+        let kinds = (0..2).filter(|kind| of.rows.shows(*kind)).count();
+        let freedom = (Process::COUNT - 1) * kinds;
+        let statistic = (fitted.merit - wandering.merit).max(0.0);
+        let law = ChiSquared::new(freedom as f64).ok()?;
+        Some(Self {
+            fitted,
+            test: Tested {
+                statistic,
+                freedom,
+                probability: law.sf(statistic),
+            },
+        })
+    }
+
+    /// Whether that explains them.
+    pub fn explains(&self) -> bool {
+        self.test.probability >= WELL
     }
 }
 

@@ -11,6 +11,7 @@ pub mod kink;
 pub mod likelihood;
 pub mod process;
 pub mod series;
+pub mod spread;
 pub mod white;
 pub mod wrong;
 

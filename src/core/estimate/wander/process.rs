@@ -29,7 +29,7 @@ pub struct Process {
 }
 
 /// Least standard deviation of the white part, in units of residuals: what numbers in files are rounded to.
-const LEAST_NOISE: f64 = 1e-6;
+const LEAST_NOISE: f64 = 1e-5;
 
 /// The logarithm of each number of a [`Process`], in the order of its fields.
 pub type LogProcess = [f64; Process::COUNT];
@@ -135,7 +135,6 @@ impl Process {
     }
 
     /// Covariance of the process without its white part, at times so far apart \[s\].
-    #[cfg(test)]
     pub(super) fn covariance(&self, apart_s: f64) -> f64 {
         let along = self.rate_per_s() * apart_s;
         let smooth = self.smooth_sd.powi(2) * (1.0 + along) * (-along).exp();
@@ -148,7 +147,7 @@ impl Process {
     }
 
     /// `λ`.
-    fn rate_per_s(&self) -> f64 {
+    pub(super) fn rate_per_s(&self) -> f64 {
         3_f64.sqrt() / self.smooth_s
     }
 }

@@ -37,12 +37,12 @@ impl Covariance<'_> {
             informed: &seen + marks + wished,
             priors: &known - &seen + beyond,
             known,
-            errors: seen,
+            errors: self.spread(&answers).unwrap_or(seen),
             whole,
         }
     }
 
-    /// Information of samples about the answers, which is the covariance that their errors make of them.
+    /// Information of samples about the answers.
     fn seen_jointly(&self, answers: &[DVector<f64>]) -> DMatrix<f64> {
         let pattern = &self.context.structure().pattern;
         let products = answers.iter().map(|answer| {

@@ -6,12 +6,11 @@ use std::cell::OnceCell;
 use nalgebra::{DMatrix, DVector};
 
 use super::linear::{HeldDirections, Linear};
-use crate::estimate::adequacy::asked::NoiseAlone;
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::TreeProblem;
 use crate::estimate::tree::program::REGULARISER;
 use crate::estimate::wander::Process;
-use crate::estimate::wander::likelihood::{FittedErrors, Restricted};
+use crate::estimate::wander::likelihood::{FittedErrors, NoiseAlone, Restricted};
 use crate::estimate::wander::series::SeriesRows;
 use crate::optimise::Solution;
 use crate::optimise::active::ActiveSet;

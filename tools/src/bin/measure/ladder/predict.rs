@@ -127,19 +127,15 @@ pub fn deviations(outcome: &Outcome, stamps: &[Stamp]) -> Option<Deviations> {
     let (point, system) = (&solution.point, &solution.system);
     let context = SolveContext::new(&problem, &layout, epochs_s, point);
     let in_time = adequacy::in_time(&context, &solution)?;
-    let (own, there) = in_time.at(&context, &solution);
     let covariance =
-        |context, system| Covariance::new(context, point, system, &solution.multipliers);
-    let (told, stated) = (
-        covariance(&own, &there.system)?,
-        covariance(&context, system)?,
-    );
+        |in_time| Covariance::new(&context, point, system, &solution.multipliers, in_time);
+    let (told, stated) = (covariance(Some(&in_time))?, covariance(None)?);
     let is_bounded = estimate.parameters.iter().any(|p| p.at_bound.is_some());
     let moments = moments(outcome, (&problem, &layout), stamps)?;
     let sds = |covariance: &Covariance| -> Vec<[Option<f64>; 6]> {
         let sd = |moment: &Moment| {
             let own = covariance.sds(std::slice::from_ref(moment))[0]?;
-            let beyond = is_bounded.then(|| stated.beyond_bounds(moment));
+            let beyond = is_bounded.then(|| covariance.beyond_bounds(moment));
             Some(own.hypot(beyond.unwrap_or(0.0)))
         };
         moments.iter().map(|six| six.each_ref().map(sd)).collect()
