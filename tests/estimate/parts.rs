@@ -52,7 +52,7 @@ fn a_second_tracker_tells_how_late_its_clock_is() {
         let late = estimate.parameters.iter().find(|of| of.name == "late");
         let late = late.expect("it is free");
         let sd_s = late.sd.expect("it is determined");
-        assert!((late.value + LATE_S).abs() < 3.0 * sd_s, "{seed}: {late:?}");
+        assert!((late.value + LATE_S).abs() < 4.0 * sd_s, "{seed}: {late:?}");
         assert!(sd_s < 0.03, "{seed}: {late:?}");
     }
 }

@@ -144,7 +144,7 @@ pub(super) fn judge(
         solution: &there,
         processes: in_time.wandering,
         strayed: in_time.strayed,
-        trials: (in_time.strayed == Strayed::NoHand).then_some(BodyTrials {
+        trials: (!in_time.strayed.may_be_hand()).then_some(BodyTrials {
             context,
             solution,
             performance,

@@ -35,7 +35,7 @@ fn kept(scene: &Scene, strayed: Strayed, quantity: Quantity) -> KeptQuantity {
     );
     KeptQuantity {
         typical: quantity.typical(),
-        explains_least: match is_like_drift && strayed != Strayed::NoHand {
+        explains_least: match is_like_drift && strayed.may_be_hand() {
             true => DRIFT,
             false => 0.0,
         },
@@ -108,7 +108,7 @@ impl Asked<'_> {
         let alone = NoiseAlone::of(of, fitted).ok_or(FitUntold::FewSamples)?;
         let is_noise = alone.explains();
         // What noise explains is not taken for a wander, nor what a hand left that did not stray in flight.
-        let told = match is_noise || self.strayed == Strayed::NoHand {
+        let told = match is_noise || !self.strayed.may_be_hand() {
             true => &alone.fitted,
             false => fitted,
         };

@@ -29,6 +29,16 @@ pub(in crate::estimate) enum Strayed {
     Tracker,
 }
 
+impl Strayed {
+    /// Whether a hand may have.
+    pub(in crate::estimate) fn may_be_hand(self) -> bool {
+        match self {
+            Strayed::Hand | Strayed::MaybeHand => true,
+            Strayed::NoHand | Strayed::Tracker => false,
+        }
+    }
+}
+
 /// The problem of a motion whose samples were weighed one by one, where they err in time.
 #[derive(Clone, Debug)]
 pub struct InTime {
@@ -49,9 +59,9 @@ impl InTime {
         solution: &Solution,
         strayed: Strayed,
     ) -> Self {
-        let kinks = match strayed {
-            Strayed::Hand | Strayed::MaybeHand => Kinks::Rounded,
-            Strayed::NoHand | Strayed::Tracker => Kinks::Sharp,
+        let kinks = match strayed.may_be_hand() {
+            true => Kinks::Rounded,
+            false => Kinks::Sharp,
         };
         let expected = [Process::EXPECTED; 2];
         let (point, epochs_s) = (&solution.point, &context.epochs_s);

@@ -8,7 +8,7 @@ use std::ops::Range;
 use nalgebra::{Matrix3, Vector3};
 
 use super::gravity;
-use crate::estimate::problem::influence::Acting;
+use crate::estimate::problem::influence::{Acting, Influence};
 use crate::estimate::problem::weave::{Kinks, Weave, WovenArc, WovenHand, WovenSample};
 use crate::estimate::problem::{Arc, INFORMED_MIN, Problem, Shows, View};
 use crate::estimate::unknowns::point::Point;
@@ -30,12 +30,16 @@ impl Problem {
         epochs_s: &[f64],
     ) -> Self {
         let mut hands: Vec<WovenHand> = Vec::new();
+        // Which error of one tracker goes with which of another depends on how late a clock is.
+        let mut roles = self.roles.iter();
+        let by_track = roles.any(|role| matches!(role.influence, Influence::ClockOffset));
         for (index, arc) in self.arcs.iter().enumerate() {
             let counted_s = self.counted_s(arc, &at.event_times_s);
             for (view, of) in arc.views.iter().enumerate() {
                 let is_of = |hand: &WovenHand| {
                     let mut units = hand.units.iter().zip(&of.units);
                     hand.mechanism == arc.mechanism
+                        && !(by_track && hand.track != of.track)
                         && units.all(|(a, b)| a == b || a.is_infinite() || b.is_infinite())
                 };
                 let place = hands.iter().position(is_of).unwrap_or_else(|| {
