@@ -99,9 +99,7 @@ pub enum FitUntold {
     Stopped,
     /// Samples are too few, or tell too little of what may move.
     FewSamples,
-    /// Joined bodies move beside others: how often the answer would be right is not known.
-    SeveralMove,
-    /// Joined bodies move in a tempo that is not known: how often the answer would be right is not known.
+    /// Joined bodies move in a tempo that is not known: there too many right scenes would be said not to fit.
     UnknownTempo,
 }
 
@@ -113,9 +111,6 @@ impl FitUntold {
             FitUntold::NoMotion => "there is no motion that could fit",
             FitUntold::Stopped => "time ended before it was told whether the motion fits",
             FitUntold::FewSamples => "samples are too few to tell whether the motion fits",
-            FitUntold::SeveralMove => {
-                "joined bodies move beside others, and of these nothing tells whether the motion fits"
-            }
             FitUntold::UnknownTempo => {
                 "of joined bodies in a tempo that is not known nothing tells whether the motion fits"
             }

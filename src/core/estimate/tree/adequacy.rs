@@ -22,9 +22,7 @@ use self::trial::TreeTrials;
 use super::problem::TreeProblem;
 use crate::estimate::adequacy::asked::Asked;
 use crate::estimate::covariance::in_time::Strayed;
-use crate::motion::{
-    Fit, FitUntold, GoalUnit, JointTree, Observer, Performer, Quantity, Scene, Suspect,
-};
+use crate::motion::{Fit, FitUntold, GoalUnit, Observer, Performer, Quantity, Scene, Suspect};
 
 /// How many times as far from its samples as bodies that rest a motion may be from which a hand strays.
 const BESIDE: f64 = 1.5;
@@ -40,12 +38,11 @@ struct SuspectCandidate {
 /// are too few to tell, and where the observer stops it.
 pub(super) fn judge(
     scene: &Scene,
-    joined: &JointTree,
     of: &Linearised,
     observer: &mut dyn Observer,
 ) -> Result<(Fit, Vec<Suspect>), FitUntold> {
     let told = of.told().ok_or(FitUntold::FewSamples)?;
-    let candidates = suspect_candidates(scene, joined, of);
+    let candidates = suspect_candidates(scene, of);
     let quantities: Vec<Quantity> = candidates.iter().map(|of| of.quantity).collect();
     let totals: Vec<DVector<f64>> = candidates.into_iter().map(|of| of.total).collect();
     let columns = of.columns(&totals);
@@ -72,7 +69,7 @@ pub(super) fn judge(
 }
 
 /// What the scene keeps fixed, with how residuals change with it.
-fn suspect_candidates(scene: &Scene, joined: &JointTree, of: &Linearised) -> Vec<SuspectCandidate> {
+fn suspect_candidates(scene: &Scene, of: &Linearised) -> Vec<SuspectCandidate> {
     let Linearised {
         problem,
         active,
@@ -80,7 +77,7 @@ fn suspect_candidates(scene: &Scene, joined: &JointTree, of: &Linearised) -> Vec
         held,
         ..
     } = of;
-    candidates(scene, joined, problem)
+    candidates(scene, problem)
         .into_iter()
         .filter_map(|quantity| {
             let step = STEP * quantity.typical();

@@ -14,8 +14,8 @@ use crate::estimate::outcome::progress;
 use crate::estimate::problem::unit;
 use crate::motion::{
     AtBound, Counters, DurationEstimate, End, Estimate, EventEstimate, FitUntold, Gap, GoalUnit,
-    LinkIndex, Mechanism, MotionPart, Observer, ParameterEstimate, Reason, SampleTime, Scene,
-    Sketch, Undetermined, Verdict,
+    LinkIndex, MotionPart, Observer, ParameterEstimate, Reason, SampleTime, Scene, Sketch,
+    Undetermined, Verdict,
 };
 
 /// Share of a direction's information below which the prior says more of it than the sketch.
@@ -57,33 +57,26 @@ pub fn estimate(
     } else {
         Vec::new()
     };
-    // Of several that move, and where the tempo is unknown, nobody knows how often it is right.
-    let mut moving = scene.moving();
-    let alone = match (moving.next(), moving.next()) {
-        (Some((_, Mechanism::Tree(joined))), None) => Some(joined),
-        _ => None,
-    };
     let is_whole = detail == Detail::Whole;
-    let judged = match alone {
-        _ if !is_whole => Err(FitUntold::NotAsked),
-        _ if verdict != Verdict::Physical => Err(FitUntold::NoMotion),
-        _ if problem.tempo.is_some() => Err(FitUntold::UnknownTempo),
-        None => Err(FitUntold::SeveralMove),
-        Some(joined) => Ok(joined),
+    let judged = match () {
+        () if !is_whole => Err(FitUntold::NotAsked),
+        () if verdict != Verdict::Physical => Err(FitUntold::NoMotion),
+        () if problem.tempo.is_some() => Err(FitUntold::UnknownTempo),
+        // Without time for it nothing is told to be determined.
+        () if observer.should_stop() => Err(FitUntold::Stopped),
+        () => Ok(()),
     };
     let line = &solution.point.time_line(problem);
     let is_asked =
         line.is_unknown() || !problem.events.is_empty() || !problem.parameters.is_empty();
     let is_asked = is_whole && finished.converged && is_asked;
-    // Without time for it nothing is told to be determined.
     let has_time = !observer.should_stop();
-    let judged = judged.and_then(|joined| has_time.then_some(joined).ok_or(FitUntold::Stopped));
     let linearised = ((judged.is_ok() || is_asked) && has_time)
         .then(|| Linearised::new(problem, solution))
         .flatten();
-    let judged = judged.and_then(|joined| {
+    let judged = judged.and_then(|()| {
         let of = linearised.as_ref().ok_or(FitUntold::FewSamples)?;
-        adequacy::judge(scene, joined, of, observer)
+        adequacy::judge(scene, of, observer)
     });
     let (fit, suspects) = match judged {
         Ok((fit, suspects)) => (Ok(fit), suspects),

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::linear::{Linear, LinearChange};
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::TreeProblem;
-use crate::motion::{ContactLawIndex, GoalUnit, JointEnd, JointTree, Quantity, Scene};
+use crate::motion::{ContactLawIndex, GoalUnit, JointEnd, Mechanism, Quantity, Scene};
 use crate::optimise::active::ActiveSet;
 
 /// Share of a typical change by which a quantity is moved to tell how residuals change.
@@ -15,14 +15,14 @@ pub(super) const STEP: f64 = 1e-3;
 const LONGER: f64 = 2.0;
 
 /// Quantities that the scene keeps fixed, each by itself.
-pub(super) fn candidates(
-    scene: &Scene,
-    joined: &JointTree,
-    problem: &TreeProblem,
-) -> Vec<Quantity> {
+pub(super) fn candidates(scene: &Scene, problem: &TreeProblem) -> Vec<Quantity> {
     let gravity = (0..3).map(|axis| Quantity::Gravity { axis });
-    let masses = joined.links().map(|link| Quantity::Mass { link });
-    let joints = joined.joints.iter().flat_map(|joint| {
+    let masses = scene.forest_links().map(|link| Quantity::Mass { link });
+    let trees = scene.moving().filter_map(|(_, of)| match of {
+        Mechanism::Tree(joined) => Some(joined),
+        Mechanism::Free(_) | Mechanism::Apart(_) => None,
+    });
+    let joints = trees.flat_map(|joined| &joined.joints).flat_map(|joint| {
         let child = joint.child;
         let ends = [JointEnd::Parent, JointEnd::Child].into_iter();
         let places = ends
@@ -42,10 +42,12 @@ pub(super) fn candidates(
         .flat_map(|law| [Quantity::Restitution { law }, Quantity::Friction { law }]);
     let surfaces = (0..scene.surfaces.len()).map(|surface| Quantity::SurfaceHeight { surface });
     let touched = surfaces.filter(|height| scene.untold(*height).is_none());
-    let tracks = scene.tracks.iter_enumerated();
-    let tracks = tracks.filter(|(_, track)| joined.place_of(track.link).is_some());
-    let places = tracks
-        .flat_map(|(track, _)| (0..3).map(move |axis| Quantity::TrackerPosition { track, axis }));
+    let tracks = scene
+        .tracks
+        .keys()
+        .filter(|track| scene.sees_moving(*track));
+    let places =
+        tracks.flat_map(|track| (0..3).map(move |axis| Quantity::TrackerPosition { track, axis }));
     let world = gravity.chain(laws).chain(touched);
     let all = joints.chain(masses).chain(world).chain(places);
     all.filter(|quantity| !scene.frees(*quantity)).collect()

@@ -135,8 +135,7 @@ fn posed() -> (Scene, TreeProblem, TreePoint, ActiveSet) {
 #[test]
 fn changes_by_quantities_are_those_of_extrapolated_differences() {
     let (scene, problem, point, active) = posed();
-    let (_, joined) = scene.joint_trees().next().expect("a tree");
-    let all = candidates(&scene, joined, &problem);
+    let all = candidates(&scene, &problem);
     let is_there = |of: fn(&Quantity) -> bool| all.iter().any(of);
     assert!(is_there(|of| matches!(of, Quantity::JointPlace { .. })));
     assert!(is_there(|of| matches!(of, Quantity::JointTurn { .. })));
@@ -213,8 +212,7 @@ fn a_linearised_motion_is_what_the_program_evaluates() {
         assert!(change.rows.amax() < 1e-4, "{column}: {}", change.rows);
     }
     // Along with a quantity that moves the rows.
-    let (_, joined) = scene.joint_trees().next().expect("a tree");
-    let quantity = candidates(&scene, joined, &problem)[2];
+    let quantity = candidates(&scene, &problem)[2];
     let by = change(
         &scene,
         &problem,
