@@ -120,9 +120,9 @@ fn first_flights_agree_with_the_fits_that_came_with_them() {
     for toss in &tosses {
         let outcome = estimated(&scene, take(&folder, toss));
         let estimate = &outcome.estimate;
-        // Of one toss the flight says too little of gravity, and so does the program.
+        // Of two tosses the flight says too little of gravity, and so does the program.
         let expected = match toss.number {
-            46 => Verdict::Plausible,
+            46 | 246 => Verdict::Plausible,
             _ => Verdict::Physical,
         };
         let said = (&estimate.reason, &estimate.doubts);

@@ -5,6 +5,7 @@ mod joint;
 use nalgebra::{DMatrix, DVector};
 
 use super::in_time::InTime;
+use super::timing::Moment;
 use crate::estimate::terms::context::SolveContext;
 use crate::estimate::terms::held;
 use crate::estimate::unknowns::point::Point;
@@ -13,9 +14,6 @@ use crate::optimise::active::ActiveSet;
 use crate::optimise::envelope::Envelope;
 use crate::optimise::kkt::{DAMPING, Kkt};
 use crate::optimise::{Program, System};
-
-/// A linear combination of unknowns, as indices with factors; empty for a fixed quantity.
-pub type Moment = Vec<(usize, f64)>;
 
 /// Covariances at an optimum.
 pub struct Covariance<'a> {
@@ -261,10 +259,4 @@ fn slope_without_bounds(
     let mut slope = system.gradient.clone();
     system.add_pull(context.structure(), |row| pulls[row], &mut slope);
     slope
-}
-
-/// Number of equalities.
-pub(super) fn equalities(system: &System) -> usize {
-    let bounds = system.blocks.iter().flat_map(|block| &block.bounds);
-    bounds.filter(|(lower, upper)| lower == upper).count()
 }

@@ -2,7 +2,6 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::certainty::equalities;
 use crate::estimate::terms::context::SolveContext;
 use crate::estimate::terms::woven;
 use crate::estimate::unknowns::point::Point;
@@ -124,4 +123,10 @@ fn products(context: &SolveContext, system: &System, directions: &DMatrix<f64>) 
     }
     gram[(count, count)] = 2.0 * system.cost;
     gram
+}
+
+/// Number of equalities.
+fn equalities(system: &System) -> usize {
+    let bounds = system.blocks.iter().flat_map(|block| &block.bounds);
+    bounds.filter(|(lower, upper)| lower == upper).count()
 }

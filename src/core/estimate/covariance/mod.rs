@@ -38,4 +38,5 @@ pub(in crate::estimate) mod whitened;
 #[cfg(test)]
 mod tests;
 
-pub use certainty::{Covariance, Moment};
+pub use certainty::Covariance;
+pub use timing::Moment;

@@ -3,31 +3,13 @@
 //! An event whose time is an unknown has that unknown's deviation. Every other event is
 //! interpolated at its mark between two nodes of the time map: its time, and the duration of the
 //! motion, are linear combinations of unknowns. The zero of time is the first node.
-//!
-//! Covariances take the constraints as exact. Whether the samples agree with them is tested by the
-//! change of the time `t_n` that the samples span when all constraints are released: the Newton
-//! step on the objective alone, compared with its standard deviation (Hausman's test),
-//!
-//! ```text
-//! |e_nᵀ H⁻¹ g| > sd(t_n without constraints)
-//! ```
-//!
-//! Where a contact, an impact or a goal distorts the time line so, the deviation covers both
-//! answers.
 
-use nalgebra::DVector;
-
-use super::{Covariance, Moment};
 use crate::estimate::problem::{Arc, ArcSample, Problem};
 use crate::estimate::terms::context::SolveContext;
 use crate::estimate::unknowns::point::Point;
-use crate::optimise::System;
-use crate::optimise::kkt::DAMPING;
 
-/// Greatest change of that time, in its standard deviations without constraints, before constraints
-/// count as contradicting the samples. No performance of a pencil came near it, up to four times
-/// the distortion; every second one of 98 real tosses, with stamps stretched in time, exceeds it.
-const CONTRADICTION: f64 = 1.0;
+/// A linear combination of unknowns, as indices with factors; empty for a fixed quantity.
+pub type Moment = Vec<(usize, f64)>;
 
 /// The clock on which an event is that ends an arc: the arc's own, unless the event's time is an
 /// unknown of the common time line.
@@ -184,38 +166,5 @@ pub(in crate::estimate) fn duration(context: &SolveContext, point: &Point) -> Du
     Duration {
         duration_s: (end_s - start_s).max(0.0),
         moment,
-    }
-}
-
-/// Change of the time that the samples span by the constraints \[s\]; zero where it is within
-/// [`CONTRADICTION`] deviations, or where times are known.
-pub(in crate::estimate) fn contradiction_s(
-    context: &SolveContext,
-    system: &System,
-    covariance: &Covariance,
-) -> f64 {
-    let Some(Some(last)) = context.layout.nodes.last().copied() else {
-        return 0.0;
-    };
-    let pattern = &context.layout.structure.pattern;
-    let mut matrix = system.hessian.clone();
-    for row in 0..pattern.size() {
-        let diagonal = matrix.get(pattern, row, row);
-        matrix.add(pattern, row, row, DAMPING * (1.0 + diagonal));
-    }
-    if matrix.factorise(pattern).is_err() {
-        return 0.0;
-    }
-    let mut x = DVector::zeros(pattern.size());
-    x[last] = 1.0;
-    matrix.solve(pattern, &mut x);
-    let moved_s = system.gradient.dot(&x).abs();
-    let open_s = covariance
-        .sd_of_answer(x[last], &x)
-        .unwrap_or(f64::INFINITY);
-    if moved_s > CONTRADICTION * open_s {
-        moved_s
-    } else {
-        0.0
     }
 }
