@@ -1,8 +1,8 @@
 //! Adequacy: whether the motion explains the performance, and what in the scene is wrong where it does not.
 //!
 //! Residuals are taken for errors that are a process in time: noise, and what a hand strays ([`wander`](super::wander)). A
-//! quantity that the scene keeps fixed is wrong where the same residuals are much likelier with it free ([`asked`]). Where
-//! samples were weighed one by one, the errors are told at that motion, and the flights by themselves ([`alone`]) tell whether
+//! quantity that the scene keeps fixed is wrong where the same residuals are much likelier with it free (`asked`). Where
+//! samples were weighed one by one, the errors are told at that motion, and the flights by themselves (`alone`) tell whether
 //! there was a hand at all.
 
 mod alone;
