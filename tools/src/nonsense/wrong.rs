@@ -113,8 +113,10 @@ impl Wrong {
     /// That throw acted so, with this wrong in its scene.
     pub fn asked(self, acting: &Acting, seed: u64) -> Result<Asked, String> {
         let mut asked = asked(&self.truth(seed)?, acting, seed);
-        asked.scene.weights.position_m = acting.noise_position_m;
-        asked.scene.weights.orientation_rad = acting.noise_orientation_rad;
+        if acting.distortion == 0.0 {
+            asked.scene.weights.position_m = acting.noise_position_m;
+            asked.scene.weights.orientation_rad = acting.noise_orientation_rad;
+        }
         self.put_into(&mut asked);
         Ok(asked)
     }

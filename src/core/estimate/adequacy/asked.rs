@@ -10,8 +10,6 @@ use crate::estimate::wander::likelihood::{FittedErrors, NoiseAlone, Restricted};
 use crate::estimate::wander::wrong::{self, Judgement, KeptQuantity, Looker, WrongQuantity};
 use crate::motion::{Fit, FitUntold, Fits, Observer, Quantity, Scene, Suspect};
 
-/// Below this probability of the residuals under noise alone nothing explains them where there was no hand.
-const NOT: f64 = 1e-9;
 /// A hand that strays farther than this, in units of the scene's weights, is none.
 const FAR: f64 = 10.0;
 /// Share of the wander that has to go with what a hand that drifts steadily is like.
@@ -24,6 +22,7 @@ const MOST: usize = 4;
 /// How a quantity is looked at: a hand that drifts steadily is like a clock that is slow, another gravity or drag, but its
 /// wander stays where one of them is free.
 fn kept(scene: &Scene, strayed: Strayed, quantity: Quantity) -> KeptQuantity {
+    let given = scene.value_of(quantity);
     let is_like_drift = matches!(
         quantity,
         Quantity::ClockRate { .. }
@@ -39,9 +38,9 @@ fn kept(scene: &Scene, strayed: Strayed, quantity: Quantity) -> KeptQuantity {
             true => DRIFT,
             false => 0.0,
         },
-        room: quantity
-            .limits()
-            .map(|limit| limit - scene.value_of(quantity)),
+        room: quantity.limits().map(|limit| limit - given),
+        // What sticks does so with any more friction.
+        tried_from: matches!(quantity, Quantity::Friction { .. }).then_some(-given),
     }
 }
 
@@ -88,7 +87,7 @@ impl Looker for AskedLooker<'_> {
 
     fn tried(&mut self, near: WrongQuantity, fixed: &FittedErrors) -> Option<WrongQuantity> {
         let Some(trials) = self.trials else {
-            return Some(near);
+            return near.is_told().then_some(near);
         };
         let quantity = self.asked.quantities[near.index];
         trials.tried(quantity, &near, fixed, self.observer)
@@ -107,10 +106,10 @@ impl Asked<'_> {
         let kept: Vec<KeptQuantity> = each.map(|of| kept(self.scene, self.strayed, *of)).collect();
         let alone = NoiseAlone::of(of, fitted).ok_or(FitUntold::FewSamples)?;
         let is_noise = alone.explains();
-        // What noise explains is not taken for a wander, nor what a hand left that did not stray in flight.
-        let told = match is_noise || !self.strayed.may_be_hand() {
-            true => &alone.fitted,
-            false => fitted,
+        // Noise that explains residuals does not rule out a wander, which is as likely then.
+        let told = match self.strayed {
+            Strayed::Tracker => &alone.fitted,
+            Strayed::Hand | Strayed::MaybeHand | Strayed::NoHand => fitted,
         };
         let mut looker = AskedLooker {
             asked: self,
@@ -118,7 +117,7 @@ impl Asked<'_> {
             trials: self.trials.filter(|_| !is_noise),
             observer,
         };
-        let judgement = wrong::judge(of, told, &kept, &mut looker);
+        let judgement = wrong::judge(of, told, &kept, self.strayed.apart_s(), &mut looker);
         let judgement = judgement.ok_or(FitUntold::Stopped)?;
         // A tracker's slow errors are as large as the scene says.
         let is_as_said = self.strayed == Strayed::Tracker && self.is_within_weights(of);
@@ -166,7 +165,6 @@ impl Asked<'_> {
             Strayed::Hand | Strayed::MaybeHand => Fits::Yes,
             Strayed::Tracker => Fits::No,
             Strayed::NoHand if alone.explains() => Fits::Yes,
-            Strayed::NoHand if alone.test.probability < NOT => Fits::No,
             Strayed::NoHand => Fits::Unknown,
         }
     }

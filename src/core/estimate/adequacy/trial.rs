@@ -9,11 +9,16 @@ use crate::estimate::covariance::linearised::{LinearisedSolution, free_direction
 use crate::estimate::schedule::recipe::{self, Recipe, Solution};
 use crate::estimate::terms::context::SolveContext;
 use crate::estimate::wander::likelihood::FittedErrors;
-use crate::estimate::wander::wrong::WrongQuantity;
+use crate::estimate::wander::wrong::{FreedQuantity, WrongQuantity};
 use crate::motion::{Observer, Performance, Quantity, Quiet};
 use crate::optimise::Schedule;
 use crate::optimise::finish::Tolerances;
 use crate::optimise::kkt::Kkt;
+
+/// Length of a derivative that is none.
+const LIMIT: f64 = 1e-12;
+/// Least gain of `−2 log L` that tells a width.
+const GAIN: f64 = 1e-9;
 
 /// A motion whose samples were weighed one by one, and that no hand acted.
 pub(super) struct BodyTrials<'a> {
@@ -58,11 +63,29 @@ impl Trials for BodyTrials<'_> {
         let kkt = Kkt::new(&own, &there.system, &there.multipliers)?;
         let free = free_directions(&own, &there.system, &kkt)?;
         let linearised = LinearisedSolution::new(&own, &there.point, &free, free.ncols(), 0.0)?;
-        let fitted = linearised.restricted().likeliest_noise()?;
+        let restricted = linearised.restricted();
+        let fitted = restricted.likeliest(&fixed.processes)?;
         let along: DVector<f64> = free.row(own.layout.parameters[wider.first]).transpose();
-        let sd = along.dot(&fitted.information.solve(&along)).sqrt();
-        let change = there.point.parameters[wider.first] - given;
-        Some(near.found(change, sd, quantity.typical(), [&fitted, fixed]))
+        let value = there.point.parameters[wider.first];
+        let change = value - given;
+        let (sd, sd_per_length) = match along.norm() < LIMIT {
+            // It stays at its limit: what it gains tells how wide it is.
+            true => (
+                change.abs() / (fixed.merit - fitted.merit).max(GAIN).sqrt(),
+                1.0,
+            ),
+            false => {
+                let sd = along.dot(&fitted.information.solve(&along)).sqrt();
+                (sd, sd / along.norm())
+            }
+        };
+        let freed = FreedQuantity {
+            change,
+            sd,
+            sd_per_length,
+            typical: quantity.typical(),
+        };
+        Some(near.found(&freed, [&fitted, fixed]))
     }
 }
 

@@ -11,7 +11,7 @@ use crate::estimate::terms::woven;
 use crate::estimate::unknowns::layout::Layout;
 use crate::estimate::unknowns::point::Point;
 use crate::estimate::wander::Process;
-use crate::estimate::wander::likelihood::{LikelyErrors, NoiseAlone, Restricted};
+use crate::estimate::wander::likelihood::{APART_S, LikelyErrors, NoiseAlone, Restricted};
 use crate::estimate::wander::spread::spread;
 use crate::optimise::Program;
 use crate::optimise::kkt::Kkt;
@@ -35,6 +35,14 @@ impl Strayed {
         match self {
             Strayed::Hand | Strayed::MaybeHand => true,
             Strayed::NoHand | Strayed::Tracker => false,
+        }
+    }
+
+    /// How far apart samples have to be to tell what is wrong \[s\]: nearer ones tell little more of a hand.
+    pub(in crate::estimate) fn apart_s(self) -> f64 {
+        match self.may_be_hand() {
+            true => APART_S,
+            false => 0.0,
         }
     }
 }

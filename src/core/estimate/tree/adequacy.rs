@@ -52,18 +52,24 @@ pub(super) fn judge(
         .at(&told.processes)
         .ok_or(FitUntold::FewSamples)?;
     let joint = of.linear.rms();
+    let strayed = match (of.problem.errors, scene.performer) {
+        (Some(_), _) => Strayed::Hand,
+        (None, Performer::Nobody) => Strayed::Tracker,
+        (None, Performer::Hand | Performer::Unsaid) => Strayed::MaybeHand,
+    };
+    let trials = TreeTrials {
+        scene,
+        of,
+        apart_s: strayed.apart_s(),
+    };
     let asked = Asked {
         scene,
         quantities: &quantities,
         joint,
         // The motion does not follow the hand, but bodies at their mean places do.
         is_far: farther_than_rest(of.problem, joint[0] / BESIDE),
-        strayed: match (of.problem.errors, scene.performer) {
-            (Some(_), _) => Strayed::Hand,
-            (None, Performer::Nobody) => Strayed::Tracker,
-            (None, Performer::Hand | Performer::Unsaid) => Strayed::MaybeHand,
-        },
-        trials: Some(&TreeTrials { scene, of }),
+        strayed,
+        trials: Some(&trials),
     };
     asked.judged(&restricted, &fitted, observer)
 }

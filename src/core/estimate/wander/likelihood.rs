@@ -165,6 +165,14 @@ impl Restricted<'_> {
         let size = places.len();
         let place = |at: usize| places[at];
         let mut logs = from.processes.map(|process| process.logs());
+        if from.inverse.is_none() {
+            // Taken for too small, noise would be told as a rough part that changes from sample to sample.
+            let wandering = logs.iter_mut().zip(from.processes).enumerate();
+            for (kind, (logs, _)) in wandering.filter(|(_, (_, process))| process.wanders()) {
+                let noise_sd = self.rows.neighbours_sd(kind);
+                logs[4] = noise_sd.map_or(logs[4], f64::ln);
+            }
+        }
         let mut here = self.valued(&logs)?;
         let mut slope = self.slope(&logs, &here, size, &place);
         let known = from.inverse.clone().filter(|known| known.nrows() == size);
@@ -597,9 +605,10 @@ mod tests {
                 typical: 1.0,
                 explains_least: 0.0,
                 room: [f64::NEG_INFINITY, f64::INFINITY],
+                tried_from: None,
             }];
             let mut looker = Patient(false);
-            let judged = wrong::judge(&of, &narrow, &kept, &mut looker).expect("time");
+            let judged = wrong::judge(&of, &narrow, &kept, APART_S, &mut looker).expect("time");
             assert!(judged.shows[0].is_finite());
             let changes: Vec<f64> = judged.wrong.iter().map(|of| of.change).collect();
             match by > 0.0 {
@@ -609,7 +618,7 @@ mod tests {
                 ),
                 false => assert!(changes.is_empty(), "{changes:?}"),
             }
-            let stopped = wrong::judge(&of, &narrow, &kept, &mut Patient(true));
+            let stopped = wrong::judge(&of, &narrow, &kept, APART_S, &mut Patient(true));
             assert!(stopped.is_none() || by == 0.0);
         }
     }

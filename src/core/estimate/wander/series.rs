@@ -7,6 +7,9 @@ use super::process::{LogProcess, Process};
 use super::white::WhiteProducts;
 use crate::motion::TrackIndex;
 
+/// Median of the size of what is normal, in standard deviations.
+const MEDIAN: f64 = 0.6745;
+
 /// Samples of one hand that are of one kind: its places, or how it is turned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
@@ -168,6 +171,25 @@ impl SeriesRows {
             rows += 3.0;
         }
         (square / rows.max(1.0)).sqrt()
+    }
+
+    /// Standard deviation of noise along an axis that second differences of neighbouring residuals of a kind show, by their
+    /// median, in units: what is slower hardly is in them, and kinks are few. `None` where no three are neighbours, and where
+    /// they are the same.
+    pub fn neighbours_sd(&self, kind: usize) -> Option<f64> {
+        let of_sample = 3 * self.count;
+        let mut differences: Vec<f64> = Vec::new();
+        for of in self.series.iter().filter(|of| of.kind == kind) {
+            let samples: Vec<&[f64]> = of.numbers.chunks_exact(of_sample).collect();
+            for three in samples.windows(3) {
+                let second = |at: usize| three[0][at] - 2.0 * three[1][at] + three[2][at];
+                differences.extend((of_sample - 3..of_sample).map(|at| second(at).abs()));
+            }
+        }
+        let middle = differences.len() / 2;
+        differences.sort_by(f64::total_cmp);
+        let median = differences.get(middle).filter(|median| **median > 0.0)?;
+        Some(median / (MEDIAN * 6_f64.sqrt()))
     }
 
     /// Slopes, by the logarithm of each number of such a process, of a function of the products of the samples of one kind and

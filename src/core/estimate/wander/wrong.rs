@@ -7,9 +7,7 @@
 
 use nalgebra::DMatrix;
 
-use super::likelihood::{APART_S, FittedErrors, Restricted};
-use super::process::Process;
-use super::series::SeriesRows;
+use super::likelihood::{FittedErrors, Restricted};
 
 /// Deviations beyond which a quantity is wrong,
 pub const WRONG: f64 = 4.0;
@@ -33,6 +31,8 @@ pub struct KeptQuantity {
     pub explains_least: f64,
     /// By how much it may change at most, down and up.
     pub room: [f64; 2],
+    /// From which change it is tried whatever its slope tells, which may vanish.
+    pub tried_from: Option<f64>,
 }
 
 /// How quantities are looked at.
@@ -40,7 +40,8 @@ pub trait Looker {
     /// Whether there is no time for another one.
     fn should_stop(&mut self) -> bool;
 
-    /// What a quantity explains, from what it does by its slope, beside what follows where none is free.
+    /// What a quantity explains, from what it does by its slope, beside what follows where none is free; `None` where nothing is
+    /// tried, or that leads to no motion.
     fn tried(&mut self, near: WrongQuantity, fixed: &FittedErrors) -> Option<WrongQuantity>;
 }
 
@@ -60,32 +61,57 @@ pub struct WrongQuantity {
 }
 
 impl WrongQuantity {
-    /// What a motion tells that was found with a quantity free, which changed by so much, beside the one with it fixed. The
-    /// deviation is that of the quantity.
-    pub fn found(
-        &self,
-        change: f64,
-        sd: f64,
-        typical: f64,
-        [with, fixed]: [&FittedErrors; 2],
-    ) -> Self {
-        // Restricted likelihoods of other means are not comparable.
-        let merit = |of: &FittedErrors| of.merit - of.information.ln_determinant();
+    /// Of which nothing is known but from where it is tried.
+    fn from(index: usize, change: f64) -> Self {
+        Self {
+            index,
+            change,
+            deviations: 0.0,
+            log_odds: f64::NEG_INFINITY,
+            explains: 0.0,
+        }
+    }
+
+    /// Whether its slope told anything.
+    pub fn is_told(&self) -> bool {
+        self.log_odds.is_finite()
+    }
+
+    /// What a motion tells that was found with a quantity free, beside the one with it fixed.
+    ///
+    /// Of `A` with it free, the part along which it stays has the determinant `|A| (sd/length)²`, with the length of the
+    /// quantity's derivative by the directions, which are orthonormal; over the quantity the likelihood is integrated with its
+    /// prior.
+    pub fn found(&self, freed: &FreedQuantity, [with, fixed]: [&FittedErrors; 2]) -> Self {
+        let FreedQuantity {
+            change,
+            sd,
+            sd_per_length,
+            typical,
+        } = *freed;
         let price = (typical / sd).hypot(1.0).ln() + 0.5 * (change / typical).powi(2);
+        let merit = with.merit + 2.0 * sd_per_length.ln();
         Self {
             index: self.index,
             change,
             deviations: change / sd,
-            log_odds: 0.5 * (merit(fixed) - merit(with)) - price,
+            log_odds: 0.5 * (fixed.merit - merit) - price,
             explains: explained(with, fixed),
         }
     }
 }
 
-/// Samples that tell of such errors: of a wander those that are not nearer to one another than a hand moves, of noise every one.
-pub fn telling(rows: &SeriesRows, processes: &[Process; 2]) -> SeriesRows {
-    let wanders = processes.iter().any(Process::wanders);
-    rows.thinned(if wanders { APART_S } else { 0.0 })
+/// A quantity at its likely value.
+#[derive(Clone, Copy, Debug)]
+pub struct FreedQuantity {
+    /// By how much it is not as it was kept.
+    pub change: f64,
+    /// Its standard deviation.
+    pub sd: f64,
+    /// The same by the length of its derivative by the directions; one where it stays at a limit.
+    pub sd_per_length: f64,
+    /// A typical change of it.
+    pub typical: f64,
 }
 
 /// Share of what strays that goes with a quantity.
@@ -102,12 +128,13 @@ pub struct Judgement {
     pub shows: Vec<f64>,
 }
 
-/// Looks at quantities whose columns come after the free ones, one by one; `None` where there is no time. What rounding leaves no
-/// answer of is not wrong.
+/// Looks at quantities whose columns come after the free ones, one by one, by samples at least so far apart \[s\]; `None` where
+/// there is no time. What rounding leaves no answer of is not wrong.
 pub fn judge(
     of: &Restricted,
     fitted: &FittedErrors,
     kept: &[KeptQuantity],
+    apart_s: f64,
     looker: &mut dyn Looker,
 ) -> Option<Judgement> {
     let last = kept.len();
@@ -146,9 +173,15 @@ pub fn judge(
         one.change.clamp(room[0], room[1]) != 0.0 && one.explains >= explains_least
     };
     let mut wrong: Vec<WrongQuantity> = Vec::new();
-    let rows = telling(of.rows, &fitted.processes);
+    let blind = kept.iter().enumerate().filter_map(|(index, of)| {
+        let change = of.tried_from.filter(|_| !tried.contains(&index))?;
+        Some(WrongQuantity::from(index, change))
+    });
+    let blind: Vec<WrongQuantity> = blind.collect();
+    let rows = of.rows.thinned(apart_s);
     let thin = Restricted { rows: &rows, ..*of };
-    let fixed = (!tried.is_empty()).then(|| thin.likeliest(&fitted.processes));
+    let is_any = !tried.is_empty() || !blind.is_empty();
+    let fixed = is_any.then(|| thin.likeliest(&fitted.processes));
     if let Some(fixed) = fixed.flatten() {
         for index in tried {
             if looker.should_stop() {
@@ -156,16 +189,23 @@ pub fn judge(
             }
             wrong.extend(with_one(&thin, &fixed, index, kept[index].typical));
         }
-        // Where one is wrong, slopes may not tell which.
-        if wrong.iter().any(|one| is_likely(one) && may_be(one)) {
-            let slopes = std::mem::take(&mut wrong);
-            for near in slopes {
+        let mut retried = |near: Vec<WrongQuantity>| {
+            let mut found = Vec::new();
+            for near in near {
                 if looker.should_stop() {
                     return None;
                 }
-                wrong.extend(looker.tried(near, &fixed));
+                found.extend(looker.tried(near, &fixed));
             }
+            Some(found)
+        };
+        let of_blind: Vec<WrongQuantity> = retried(blind)?;
+        // Where one is wrong, slopes may not tell which.
+        let mut all = wrong.iter().chain(&of_blind);
+        if all.any(|one| is_likely(one) && may_be(one)) {
+            wrong = retried(wrong)?;
         }
+        wrong.extend(of_blind);
     }
     wrong.retain(may_be);
     wrong.sort_by(|a: &WrongQuantity, b| b.log_odds.total_cmp(&a.log_odds));

@@ -9,7 +9,7 @@ use crate::estimate::adequacy::asked::Trials;
 use crate::estimate::tree::program::REGULARISER;
 use crate::estimate::wander::likelihood::{FittedErrors, Restricted};
 use crate::estimate::wander::series::SeriesRows;
-use crate::estimate::wander::wrong::{WrongQuantity, telling};
+use crate::estimate::wander::wrong::{FreedQuantity, WrongQuantity};
 use crate::motion::{Observer, Quantity, Scene};
 
 /// Greatest number of steps of Gauss and Newton,
@@ -25,6 +25,8 @@ const ROWS: f64 = 1e3;
 pub(super) struct TreeTrials<'a> {
     pub(super) scene: &'a Scene,
     pub(super) of: &'a Linearised<'a>,
+    /// How far apart samples have to be \[s\].
+    pub(super) apart_s: f64,
 }
 
 /// The motion with a quantity at its likely value.
@@ -43,7 +45,10 @@ impl Trials for TreeTrials<'_> {
         fixed: &FittedErrors,
         _observer: &mut dyn Observer,
     ) -> Option<WrongQuantity> {
-        let tried = self.found(quantity)?;
+        let given = self.scene.value_of(quantity);
+        // The slope is followed from where it is told.
+        let from = if near.is_told() { 0.0 } else { near.change };
+        let tried = self.found(quantity, given + from)?;
         let held = tried.linear.held();
         let free = held.free.ncols() + 1;
         let mut columns: DMatrix<f64> = held.free.clone().resize_horizontally(free + 1, 0.0);
@@ -53,22 +58,29 @@ impl Trials for TreeTrials<'_> {
         let priors = columns.rows(first, columns.nrows() - first);
         let rows = SeriesRows::new(&tried.linear.series, &columns);
         let with = Restricted {
-            rows: &telling(&rows, &fixed.processes),
+            rows: &rows.thinned(self.apart_s),
             free,
             priors: &priors.tr_mul(&priors),
             least: REGULARISER * self.of.problem.information.0,
         };
         let fitted = with.likeliest(&fixed.processes)?;
-        let change = tried.value - self.scene.value_of(quantity);
+        let change = tried.value - given;
         let sd = fitted.deviation(free - 1);
-        Some(near.found(change, sd, quantity.typical(), [&fitted, fixed]))
+        let freed = FreedQuantity {
+            change,
+            sd,
+            // It is the last direction itself.
+            sd_per_length: sd,
+            typical: quantity.typical(),
+        };
+        Some(near.found(&freed, [&fitted, fixed]))
     }
 }
 
 impl TreeTrials<'_> {
-    /// Moves motion and quantity to where both fit best; `None` where that leads to no motion.
-    fn found(&self, quantity: Quantity) -> Option<TriedQuantity> {
-        let Self { scene, of } = self;
+    /// Moves motion and quantity, from a value, to where both fit best; `None` where that leads to no motion.
+    fn found(&self, quantity: Quantity, mut value: f64) -> Option<TriedQuantity> {
+        let Self { scene, of, .. } = self;
         let (problem, active) = (of.problem, &of.active);
         let [lower, upper] = quantity.limits();
         let step = STEP * quantity.typical();
@@ -78,8 +90,8 @@ impl TreeTrials<'_> {
             cost + ROWS * information.1 * off
         };
         let mut point = of.point.clone();
-        let mut value = scene.value_of(quantity);
-        let mut linear = Linear::new(problem, &point, active)?;
+        let there = problem.with(scene, (quantity, value))?;
+        let mut linear = Linear::new(&there, &point, active)?;
         let mut by = change(scene, problem, &point, active, quantity, value, step)?;
         for _ in 0..STEPS {
             let (delta, off) = linear.step(&by, information.0)?;
