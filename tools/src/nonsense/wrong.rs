@@ -110,7 +110,7 @@ impl Wrong {
         truth.map_err(|error| error.to_string())
     }
 
-    /// That throw acted so, with this wrong in its scene.
+    /// That throw acted so, with this wrong in its scene. Weights are those of the noise, or where a hand strays, as they are.
     pub fn asked(self, acting: &Acting, seed: u64) -> Result<Asked, String> {
         let mut asked = asked(&self.truth(seed)?, acting, seed);
         if acting.distortion == 0.0 {

@@ -2,10 +2,13 @@
 
 mod joint;
 
+use std::cell::OnceCell;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::in_time::InTime;
 use super::timing::Moment;
+use super::vague::VagueErrors;
 use crate::estimate::terms::context::SolveContext;
 use crate::estimate::terms::held;
 use crate::estimate::unknowns::point::Point;
@@ -20,6 +23,7 @@ pub struct Covariance<'a> {
     context: &'a SolveContext<'a>,
     system: &'a System,
     point: &'a Point,
+    multipliers: &'a [f64],
     kkt: Kkt,
     /// The Hessian with curvature, where that is in it.
     curved: Option<Envelope>,
@@ -29,6 +33,8 @@ pub struct Covariance<'a> {
     of_samples: Envelope,
     /// What samples err by, where weights are not those of their errors.
     in_time: Option<&'a InTime>,
+    /// What residuals leave open of errors with whose weights the motion was found.
+    vague: OnceCell<Option<VagueErrors>>,
 }
 
 impl<'a> Covariance<'a> {
@@ -38,7 +44,7 @@ impl<'a> Covariance<'a> {
         context: &'a SolveContext<'a>,
         point: &'a Point,
         system: &'a System,
-        multipliers: &[f64],
+        multipliers: &'a [f64],
         in_time: Option<&'a InTime>,
     ) -> Option<Self> {
         let curved = curved(context, (point, system), multipliers);
@@ -48,11 +54,13 @@ impl<'a> Covariance<'a> {
             context,
             system,
             point,
+            multipliers,
             kkt,
             curved,
             slope,
             of_samples: context.of_samples(point),
             in_time,
+            vague: OnceCell::new(),
         })
     }
 
@@ -111,10 +119,21 @@ impl<'a> Covariance<'a> {
         variance.sd()
     }
 
-    /// What the errors of samples make of answers, where weights are not those of errors.
+    /// What the errors of samples make of answers, where weights are not those of errors, or are not known exactly.
     fn spread(&self, answers: &[DVector<f64>]) -> Option<DMatrix<f64>> {
-        let in_time = self.in_time.filter(|_| !answers.is_empty())?;
-        in_time.spread(self.context, self.point, &DMatrix::from_columns(answers))
+        if answers.is_empty() {
+            return None;
+        }
+        let columns = DMatrix::from_columns(answers);
+        match self.in_time {
+            Some(in_time) => in_time.spread(self.context, self.point, &columns),
+            None => Some(self.seen_jointly(answers) + self.vague()?.more(&columns)),
+        }
+    }
+
+    fn vague(&self) -> Option<&VagueErrors> {
+        let told = || VagueErrors::of(self.context, self.point, self.system, self.multipliers);
+        self.vague.get_or_init(told).as_ref()
     }
 
     /// Information of samples about an answer.

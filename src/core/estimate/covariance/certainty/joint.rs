@@ -43,7 +43,7 @@ impl Covariance<'_> {
     }
 
     /// Information of samples about the answers.
-    fn seen_jointly(&self, answers: &[DVector<f64>]) -> DMatrix<f64> {
+    pub(super) fn seen_jointly(&self, answers: &[DVector<f64>]) -> DMatrix<f64> {
         let pattern = &self.context.structure().pattern;
         let products = answers.iter().map(|answer| {
             let mut product = DVector::zeros(answer.len());
