@@ -45,7 +45,7 @@ fn golden() -> [Golden; 4] {
                 assignment_rounds: 1,
                 starts: 1,
             },
-            event_times_s: &[0.3451326, 0.7946802],
+            event_times_s: &[0.3451294, 0.7946755],
         },
         Golden {
             file: "pencil_eraser.mcap",
@@ -58,7 +58,7 @@ fn golden() -> [Golden; 4] {
                 assignment_rounds: 2,
                 starts: 2,
             },
-            event_times_s: &[0.3475501, 0.7751008],
+            event_times_s: &[0.3475520, 0.7750930],
         },
         Golden {
             file: "hat_box.mcap",
@@ -71,7 +71,7 @@ fn golden() -> [Golden; 4] {
                 assignment_rounds: 4,
                 starts: 2,
             },
-            event_times_s: &[0.2731271, 0.5662015, 0.8737050],
+            event_times_s: &[0.2731305, 0.5662028, 0.8737019],
         },
         Golden {
             file: "die.mcap",

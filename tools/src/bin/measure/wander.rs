@@ -2,6 +2,7 @@
 //! intervals hold it, and which mistakes of a scene show.
 
 use anyhow::Result;
+use enact::math::Pose;
 use enact::motion::{Performer, Quantity, Scene, Verdict, Weights};
 use enact::physics::tree::Snapshot;
 use enact::pipeline::{Outcome, Pipeline};
@@ -20,6 +21,8 @@ use crate::table::{Table, number, percent};
 
 /// Performances of a row.
 const PERFORMANCES: u64 = 40;
+/// Instants of a flight at which intervals along it are looked at.
+const INSTANTS: usize = 11;
 /// Half the width of a 95 % interval, in deviations.
 const INTERVAL: f64 = 1.96;
 /// How samples are weighed.
@@ -129,6 +132,23 @@ struct Errors {
     velocities_mm_s: Vec<f64>,
     spins_rad_s: Vec<f64>,
     took_ms: Vec<f64>,
+    /// Of places, turns, velocities and spins along the motion.
+    along: [Held; 4],
+}
+
+/// Intervals that hold the truth.
+#[derive(Clone, Copy, Default, Serialize)]
+struct Held {
+    held: usize,
+    told: usize,
+}
+
+impl Held {
+    fn add(&mut self, off: f64, sd: Option<f64>) {
+        let Some(sd) = sd else { return };
+        self.held += usize::from(off.abs() < INTERVAL * sd);
+        self.told += 1;
+    }
 }
 
 impl Errors {
@@ -149,9 +169,10 @@ impl Errors {
     }
 
     /// A row's, after its names.
-    fn cells(&self) -> [String; 11] {
+    fn cells(&self) -> [String; 15] {
         let held = self.deviations.iter().filter(|of| **of < INTERVAL);
         let sizes_ms: Vec<f64> = self.times_ms.iter().map(|of| of.abs()).collect();
+        let [places, turns, velocities, spins] = self.along;
         [
             self.performances.to_string(),
             percent(self.physical, self.performances),
@@ -164,6 +185,10 @@ impl Errors {
             number(median(&self.velocities_mm_s)),
             number(median(&self.spins_rad_s)),
             number(median(&self.took_ms)),
+            percent(places.held, places.told),
+            percent(turns.held, turns.told),
+            percent(velocities.held, velocities.told),
+            percent(spins.held, spins.told),
         ]
     }
 
@@ -189,6 +214,32 @@ impl Errors {
             self.turns_deg.push(block(1).to_degrees());
             self.velocities_mm_s.push(1e3 * block(2));
             self.spins_rad_s.push(block(3));
+            self.add_along(case, outcome, index, offset_s);
+        }
+    }
+
+    /// Intervals along a flight.
+    fn add_along(&mut self, case: &Case, outcome: &Outcome, index: usize, offset_s: f64) {
+        let (scene, estimate) = (&outcome.scene, &outcome.estimate);
+        let arc = &estimate.arcs[index];
+        let Some(certainty) = &arc.certainty else {
+            return;
+        };
+        let body = scene.body_of(arc.mechanism);
+        let gravity_m_s2 = &estimate.gravity_m_s2;
+        for instant in 0..INSTANTS {
+            let share = instant as f64 / (INSTANTS - 1) as f64;
+            let time_s = arc.start_s + share * (arc.end_s - arc.start_s);
+            let lasts_s = time_s - arc.epoch_s;
+            let state = scene.flown(arc, gravity_m_s2, time_s);
+            let off = state.minus(&case.true_state(index, time_s, offset_s));
+            let sds =
+                certainty.deviation(body, gravity_m_s2, &arc.state, lasts_s, &Pose::identity());
+            for (part, sds) in sds.parts().into_iter().enumerate() {
+                for (axis, sd) in sds.into_iter().enumerate() {
+                    self.along[part].add(off[3 * part + axis], sd);
+                }
+            }
         }
     }
 }
@@ -217,6 +268,10 @@ fn bodies(options: &Options, record: &mut Record) -> Result<()> {
         "velocities, mm/s",
         "spins, rad/s",
         "took, ms",
+        "along: places hold",
+        "turns",
+        "velocities",
+        "spins",
     ];
     let mut table = Table::new("bodies", "", &header);
     let mut all = Vec::new();
