@@ -20,7 +20,7 @@
 //!
 //! The weights of samples are those of their errors, which are a process in time ([`wander`](super::wander)). Where a motion
 //! was found with each sample weighed by itself, that process is told at it ([`in_time`]); where residuals are too few to tell
-//! it, weights are taken as the scene states them. What residuals leave open of a hand makes intervals wider ([`vague`]). `H_p` is the part of `H` from priors (tempo, parameters, priced velocity
+//! it, weights are taken as the scene states them. What residuals leave open of a hand makes intervals wider. `H_p` is the part of `H` from priors (tempo, parameters, priced velocity
 //! gaps), whose standard deviations are given and taken as they are.
 //!
 //! A parameter or a time at its bound is not better determined for that: its bounds count as a prior
