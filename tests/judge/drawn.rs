@@ -2,7 +2,7 @@
 
 use enact::motion::{Fits, Verdict};
 use enact_tools::case::Case;
-use enact_tools::errors::event_time_off;
+use enact_tools::errors::EventTimesOff;
 use enact_tools::scenes::{Asked, DrawnScene};
 
 /// What is farther off than so many deviations though nothing speaks against the motion is wrong in silence.
@@ -16,8 +16,7 @@ fn silently_off(case: &Case) -> Option<f64> {
     let is_good = estimate.verdict == Verdict::Physical
         && estimate.fits() != Fits::No
         && estimate.suspects.is_empty();
-    let [_, deviations] = event_time_off(case, &outcome);
-    is_good.then_some(deviations)
+    is_good.then_some(EventTimesOff::of(case, &outcome).deviations)
 }
 
 /// A mark of an end is off by tens of milliseconds, and nothing in the stream shows it: what was believed to half a sample

@@ -1,7 +1,7 @@
 //! How far an estimate is from the truth, and whether it does what it says.
 
 use enact::math::so3;
-use enact::motion::{End, Estimate, GoalTarget};
+use enact::motion::{End, Estimate, EventEstimate, GoalTarget};
 use enact::physics::State;
 use enact::pipeline::Outcome;
 
@@ -49,9 +49,8 @@ impl Errors {
         let late = |estimated_s: f64, true_s: f64| {
             (estimated_s - offset_s - true_s).abs() / truth.duration_s
         };
-        let is_free = &posed.problem.event_is_free;
-        let events = estimate.events.iter().filter(|event| is_free[event.event]);
-        let events = events.map(|event| late(event.time_s, truth.event_times_s[event.event]));
+        let events = events_off_s(case, outcome, &posed);
+        let events = events.map(|(_, off_s)| off_s / truth.duration_s);
         let samples = estimate.sample_times.iter();
         let samples = samples.map(|s| late(s.time_s, case.hidden_s(s.track, s.stamp)));
         Self {
@@ -82,20 +81,48 @@ impl Errors {
     }
 }
 
-/// The greatest error of an event's time that is estimated: in milliseconds, and in its deviations.
-pub fn event_time_off(case: &Case, outcome: &Outcome) -> [f64; 2] {
-    let posed = Posed::new(case.scene(), &outcome.sketch);
-    let offset_s = case.offset_s(&posed, &outcome.sketch);
-    let events = outcome.estimate.events.iter();
-    let free = events.filter(|of| posed.problem.event_is_free[of.event]);
-    let mut worst = [0.0_f64; 2];
-    for event in free {
-        let true_s = case.performance.truth.event_times_s[event.event];
-        let off_s = (event.time_s - offset_s - true_s).abs();
-        worst[0] = worst[0].max(1e3 * off_s);
-        worst[1] = worst[1].max(event.sd_s.map_or(0.0, |sd_s| off_s / sd_s));
+/// How far times of events that are estimated are off, at most.
+#[derive(Clone, Copy, Debug)]
+pub struct EventTimesOff {
+    /// In milliseconds; infinite where one is no number.
+    pub ms: f64,
+    /// In their deviations, of those that have one.
+    pub deviations: f64,
+}
+
+impl EventTimesOff {
+    /// Of an outcome's estimate.
+    pub fn of(case: &Case, outcome: &Outcome) -> Self {
+        let posed = Posed::new(case.scene(), &outcome.sketch);
+        let mut worst = Self {
+            ms: 0.0,
+            deviations: 0.0,
+        };
+        for (event, off_s) in events_off_s(case, outcome, &posed) {
+            let off_s = if off_s.is_nan() { f64::INFINITY } else { off_s };
+            worst.ms = worst.ms.max(1e3 * off_s);
+            if let Some(sd_s) = event.sd_s {
+                worst.deviations = worst.deviations.max(off_s / sd_s);
+            }
+        }
+        worst
     }
-    worst
+}
+
+/// Events whose times are estimated, and how far each is off \[s\].
+fn events_off_s<'a>(
+    case: &'a Case,
+    outcome: &'a Outcome,
+    posed: &'a Posed,
+) -> impl Iterator<Item = (&'a EventEstimate, f64)> {
+    let offset_s = case.offset_s(posed, &outcome.sketch);
+    let true_s = &case.performance.truth.event_times_s;
+    let events = outcome.estimate.events.iter();
+    let free = events.filter(|event| posed.problem.event_is_free[event.event]);
+    free.map(move |event| {
+        let off_s = (event.time_s - offset_s - true_s[event.event]).abs();
+        (event, off_s)
+    })
 }
 
 /// Whether the solver stopped because it was done, and not because it got no further: its verdict

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use anyhow::Result;
 use enact::motion::{Fits, Verdict};
 use enact::pipeline::{Outcome, PipelineError};
-use enact_tools::errors::event_time_off;
+use enact_tools::errors::EventTimesOff;
 use enact_tools::scenes::{Asked, DrawnScene};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -49,16 +49,19 @@ impl Answered {
         let time = CoreTime::begin();
         let outcome = case.pipeline().finish(&mut CoreLimit(&time, LIMIT_S));
         let seconds = time.seconds();
-        let [off_ms, deviations] = match &outcome {
-            Ok(outcome) => event_time_off(&case, outcome),
-            Err(_) => [f64::NAN; 2],
+        let off = match &outcome {
+            Ok(outcome) => EventTimesOff::of(&case, outcome),
+            Err(_) => EventTimesOff {
+                ms: f64::NAN,
+                deviations: f64::NAN,
+            },
         };
         Self {
             seed,
             has_rough_marks: scene.has_rough_marks,
             against: against(&outcome),
-            deviations,
-            off_ms,
+            deviations: off.deviations,
+            off_ms: off.ms,
             seconds,
         }
     }
