@@ -119,12 +119,21 @@ impl Restricted<'_> {
 
     /// The likeliest errors, from where they are thought to be: as samples tell them that are at least so far apart \[s\].
     pub fn likely(&self, from: &LikelyErrors, apart_s: f64) -> Option<LikelyErrors> {
-        let thinned = self.rows.thinned(apart_s);
-        let thin = Restricted {
-            rows: &thinned,
+        let (rows, priors) = self.without_others();
+        let narrow = Restricted {
+            rows: &rows.thinned(apart_s),
+            priors: &priors,
             ..*self
         };
-        Some(thin.search(from)?.likely())
+        narrow.search(from)
+    }
+
+    /// The columns that the likelihood is of: of the free ones and of the residuals.
+    fn without_others(&self) -> (SeriesRows, DMatrix<f64>) {
+        let last = self.rows.count() - 1;
+        let kept: Vec<usize> = (0..self.free).chain([last]).collect();
+        let priors = self.priors.select_columns(&kept).select_rows(&kept);
+        (self.rows.select(&kept), priors)
     }
 
     /// What follows of the likeliest errors, as samples tell them that are not nearer to one another than a hand moves.
@@ -135,9 +144,8 @@ impl Restricted<'_> {
 
     /// The likeliest errors as all samples tell them.
     pub fn likeliest(&self, from: &[Process; 2]) -> Option<FittedErrors> {
-        let found = self.search(&LikelyErrors::of(*from))?;
-        let [positions, orientations] = &found.here.products;
-        self.with(&found.likely().processes, [positions, orientations])
+        let likely = self.likely(&LikelyErrors::of(*from), 0.0)?;
+        self.at(&likely.processes)
     }
 
     /// The likeliest noise where nothing strays, from that which makes all that is left.
@@ -155,7 +163,7 @@ impl Restricted<'_> {
     }
 
     /// Searches among the numbers of the parts that are there, of kinds that are shown.
-    fn search(&self, from: &LikelyErrors) -> Option<Search> {
+    fn search(&self, from: &LikelyErrors) -> Option<LikelyErrors> {
         let kinds = (0..2).filter(|kind| self.rows.shows(*kind));
         let places = kinds.flat_map(|kind| {
             let there = (0..Process::COUNT).filter(move |of| from.processes[kind].has(*of));
@@ -217,10 +225,9 @@ impl Restricted<'_> {
             update(&mut inverse, &step, &(&slope_there - &slope));
             slope = slope_there;
         }
-        Some(Search {
-            logs,
-            here,
-            inverse,
+        Some(LikelyErrors {
+            processes: logs.map(|of| Process::of_logs(&of)),
+            inverse: Some(inverse),
         })
     }
 
@@ -382,22 +389,6 @@ struct Likelihood {
     answer: DVector<f64>,
     information: Cholesky<f64, Dyn>,
     products: [WhitenedProducts; 2],
-}
-
-/// Where a search for the likeliest errors ends.
-struct Search {
-    logs: [LogProcess; 2],
-    here: Likelihood,
-    inverse: DMatrix<f64>,
-}
-
-impl Search {
-    fn likely(&self) -> LikelyErrors {
-        LikelyErrors {
-            processes: self.logs.map(|of| Process::of_logs(&of)),
-            inverse: Some(self.inverse.clone()),
-        }
-    }
 }
 
 /// What numbers cost that are not as expected; those of a part that is not there cost nothing.
