@@ -163,9 +163,9 @@ impl Asked<'_> {
     fn without_suspects(&self, alone: &NoiseAlone) -> Fits {
         match self.strayed {
             Strayed::Hand | Strayed::MaybeHand => Fits::Yes,
-            Strayed::Tracker => Fits::No,
-            Strayed::NoHand if alone.explains() => Fits::Yes,
+            Strayed::NoHand | Strayed::Tracker if alone.explains() => Fits::Yes,
             Strayed::NoHand => Fits::Unknown,
+            Strayed::Tracker => Fits::No,
         }
     }
 
