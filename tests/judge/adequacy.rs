@@ -88,7 +88,7 @@ fn the_wrong_quantity_is_the_first_suspect() {
     let mut all = 0;
     let of_all = |performer| Wrong::ALL.map(|wrong| (performer, wrong));
     for (performer, wrong) in PERFORMERS.into_iter().flat_map(of_all) {
-        let mut first = 0;
+        let [mut first, mut suspected] = [0; 2];
         for seed in SEEDS {
             let mut asked = wrong.asked(&thrown(), seed).expect("a throw");
             asked.scene.performer = performer;
@@ -97,6 +97,7 @@ fn the_wrong_quantity_is_the_first_suspect() {
             let Some((likeliest, others)) = outcome.estimate.suspects.split_first() else {
                 continue;
             };
+            suspected += 1;
             assert_eq!(fit.fits, Fits::No, "{performer:?} {wrong:?} {seed}");
             let rivals = others
                 .iter()
@@ -104,8 +105,9 @@ fn the_wrong_quantity_is_the_first_suspect() {
             let mut likely = [likeliest].into_iter().chain(rivals);
             first += usize::from(likely.any(|suspect| is_culprit(wrong, suspect)));
         }
-        // A hand may have held everything higher.
+        // A hand may have held everything higher: nothing else is blamed for it, either.
         if wrong == Wrong::TableHeight && performer == Performer::Unsaid {
+            assert_eq!(suspected, 0);
             continue;
         }
         assert!(first >= 4, "{performer:?} {wrong:?}: {first} of 6");

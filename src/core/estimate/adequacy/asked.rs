@@ -20,8 +20,8 @@ const SHOWN_SHARE: f64 = 0.1;
 const MOST: usize = 4;
 
 /// How a quantity is looked at: a hand that drifts steadily is like a clock that is slow, another gravity or drag, but its
-/// wander stays where one of them is free.
-fn kept(scene: &Scene, strayed: Strayed, quantity: Quantity) -> KeptQuantity {
+/// wander stays where one of them is free. Where quantities are tried, what a slope may not tell is, too.
+fn kept(scene: &Scene, strayed: Strayed, is_tried: bool, quantity: Quantity) -> KeptQuantity {
     let given = scene.value_of(quantity);
     let is_like_drift = matches!(
         quantity,
@@ -40,7 +40,7 @@ fn kept(scene: &Scene, strayed: Strayed, quantity: Quantity) -> KeptQuantity {
         },
         room: quantity.limits().map(|limit| limit - given),
         // What sticks does so with any more friction.
-        tried_from: matches!(quantity, Quantity::Friction { .. }).then_some(-given),
+        tried_from: (is_tried && matches!(quantity, Quantity::Friction { .. })).then_some(-given),
     }
 }
 
@@ -87,7 +87,7 @@ impl Looker for AskedLooker<'_> {
 
     fn tried(&mut self, near: WrongQuantity, fixed: &FittedErrors) -> Option<WrongQuantity> {
         let Some(trials) = self.trials else {
-            return near.is_told().then_some(near);
+            return Some(near);
         };
         let quantity = self.asked.quantities[near.index];
         trials.tried(quantity, &near, fixed, self.observer)
@@ -102,10 +102,13 @@ impl Asked<'_> {
         fitted: &FittedErrors,
         observer: &mut dyn Observer,
     ) -> Result<(Fit, Vec<Suspect>), FitUntold> {
-        let each = self.quantities.iter();
-        let kept: Vec<KeptQuantity> = each.map(|of| kept(self.scene, self.strayed, *of)).collect();
         let alone = NoiseAlone::of(of, fitted).ok_or(FitUntold::FewSamples)?;
         let is_noise = alone.explains();
+        // What noise explains is not far off.
+        let trials = self.trials.filter(|_| !is_noise);
+        let each = self.quantities.iter();
+        let kept = each.map(|of| kept(self.scene, self.strayed, trials.is_some(), *of));
+        let kept: Vec<KeptQuantity> = kept.collect();
         // Noise that explains residuals does not rule out a wander, which is as likely then.
         let told = match self.strayed {
             Strayed::Tracker => &alone.fitted,
@@ -113,8 +116,7 @@ impl Asked<'_> {
         };
         let mut looker = AskedLooker {
             asked: self,
-            // What noise explains is not far off.
-            trials: self.trials.filter(|_| !is_noise),
+            trials,
             observer,
         };
         let judgement = wrong::judge(of, told, &kept, self.strayed.apart_s(), &mut looker);

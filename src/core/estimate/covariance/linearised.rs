@@ -107,7 +107,11 @@ pub(in crate::estimate) fn free_directions(
 }
 
 /// `Zᵀ H Z` of directions, with the gradient along them and twice the cost in the last row and column.
-fn products(context: &SolveContext, system: &System, directions: &DMatrix<f64>) -> DMatrix<f64> {
+pub(super) fn products(
+    context: &SolveContext,
+    system: &System,
+    directions: &DMatrix<f64>,
+) -> DMatrix<f64> {
     let pattern = &context.layout.structure.pattern;
     let count = directions.ncols();
     let mut gram = DMatrix::zeros(count + 1, count + 1);

@@ -1,8 +1,8 @@
 //! What intervals are wider for what residuals leave open of the errors they have ([`vague`](crate::estimate::wander::vague)).
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
-use super::linearised::{LinearisedSolution, free_directions};
+use super::linearised::{LinearisedSolution, free_directions, products};
 use crate::estimate::terms::context::SolveContext;
 use crate::estimate::unknowns::point::Point;
 use crate::estimate::wander::likelihood::APART_S;
@@ -30,22 +30,16 @@ impl VagueErrors {
         let free = free_directions(context, system, &kkt)?;
         let linearised = LinearisedSolution::new(context, point, &free, free.ncols(), APART_S)?;
         let more = linearised.restricted().vague(&weave.processes)?;
-        let pattern = &context.structure().pattern;
-        let products = free.column_iter().map(|direction| {
-            let mut product = DVector::zeros(direction.len());
-            let own = direction.into_owned();
-            system.hessian.multiply_add(pattern, &own, &mut product);
-            product
-        });
-        let products: Vec<DVector<f64>> = products.collect();
-        let information = free.tr_mul(&DMatrix::from_columns(&products));
+        let count = free.ncols();
+        let products = products(context, system, &free);
+        let information = products.view((0, 0), (count, count));
         let mut along = free.transpose();
         for (mut column, scale) in along.column_iter_mut().zip(context.damping().iter()) {
             column *= *scale;
         }
         Some(Self {
             along,
-            form: &information * more * &information,
+            form: information * more * information,
         })
     }
 

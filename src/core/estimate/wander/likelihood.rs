@@ -117,9 +117,12 @@ impl Restricted<'_> {
         self.with(processes, [&positions, &orientations])
     }
 
-    /// The likeliest errors, from where they are thought to be: as samples tell them that are at least so far apart \[s\].
+    /// The likeliest errors, from where they are thought to be: as samples tell them that are at least so far apart \[s\]. They
+    /// are sought by the columns that the likelihood is of, the free ones and the residuals.
     pub fn likely(&self, from: &LikelyErrors, apart_s: f64) -> Option<LikelyErrors> {
-        let (rows, priors) = self.without_others();
+        let last = self.rows.count() - 1;
+        let kept: Vec<usize> = (0..self.free).chain([last]).collect();
+        let (rows, priors) = self.select(&kept);
         let narrow = Restricted {
             rows: &rows.thinned(apart_s),
             priors: &priors,
@@ -128,12 +131,10 @@ impl Restricted<'_> {
         narrow.search(from)
     }
 
-    /// The columns that the likelihood is of: of the free ones and of the residuals.
-    fn without_others(&self) -> (SeriesRows, DMatrix<f64>) {
-        let last = self.rows.count() - 1;
-        let kept: Vec<usize> = (0..self.free).chain([last]).collect();
-        let priors = self.priors.select_columns(&kept).select_rows(&kept);
-        (self.rows.select(&kept), priors)
+    /// Some of the columns: their rows, and products of priors.
+    pub(super) fn select(&self, kept: &[usize]) -> (SeriesRows, DMatrix<f64>) {
+        let priors = self.priors.select_columns(kept).select_rows(kept);
+        (self.rows.select(kept), priors)
     }
 
     /// What follows of the likeliest errors, as samples tell them that are not nearer to one another than a hand moves.
@@ -175,10 +176,9 @@ impl Restricted<'_> {
         let mut logs = from.processes.map(|process| process.logs());
         if from.inverse.is_none() {
             // Taken for too small, noise would be told as a rough part that changes from sample to sample.
-            let wandering = logs.iter_mut().zip(from.processes).enumerate();
-            for (kind, (logs, _)) in wandering.filter(|(_, (_, process))| process.wanders()) {
+            for kind in (0..2).filter(|kind| from.processes[*kind].wanders()) {
                 let noise_sd = self.rows.neighbours_sd(kind);
-                logs[4] = noise_sd.map_or(logs[4], f64::ln);
+                logs[kind][4] = noise_sd.map_or(logs[kind][4], f64::ln);
             }
         }
         let mut here = self.valued(&logs)?;

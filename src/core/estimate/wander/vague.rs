@@ -114,8 +114,7 @@ mod tests {
         SeriesRows::new(&[series], &columns)
     }
 
-    /// The variance of a mean is in proportion to that of the wander about it. With its size alone unknown, it is more by what
-    /// the mean of `exp(2θ)` is.
+    /// A variance is more where samples show a wander, by a share that the farthest numbers bound, and no more where none strays.
     #[test]
     fn a_variance_is_more_for_what_is_open_of_a_size() {
         let rows = about_constant(60);

@@ -5,8 +5,6 @@
 //! chooses which ones are tried. With `L` the restricted likelihood at the likeliest errors and a prior `N(0, τ²)` of a typical
 //! change `τ`, the odds are `L_free/L_fixed`.
 
-use nalgebra::DMatrix;
-
 use super::likelihood::{FittedErrors, Restricted};
 
 /// Deviations beyond which a quantity is wrong,
@@ -231,8 +229,7 @@ fn with_one(
     let free = of.free;
     let last = of.rows.count() - 1;
     let kept: Vec<usize> = (0..free).chain([free + index, last]).collect();
-    let rows = of.rows.select(&kept);
-    let mut priors: DMatrix<f64> = of.priors.select_columns(&kept).select_rows(&kept);
+    let (rows, mut priors) = of.select(&kept);
     priors[(free, free)] += typical.powi(-2);
     let with = Restricted {
         rows: &rows,
