@@ -34,7 +34,7 @@ use crate::estimate::schedule::recipe::Solution;
 use crate::estimate::terms::context::{Guidance, SolveContext};
 use crate::estimate::terms::woven;
 use crate::estimate::wander::Process;
-use crate::estimate::wander::likelihood::Restricted;
+use crate::estimate::wander::likelihood::{LikelyErrors, Restricted};
 use crate::estimate::wander::series::SeriesRows;
 use crate::motion::{Fit, FitUntold, Observer, Performance, Performer, Suspect};
 use crate::optimise::Program;
@@ -130,7 +130,7 @@ pub(super) fn judge(
             context,
             weave,
             solution,
-            processes: weave.processes,
+            likely: &weave.errors,
             strayed: Strayed::Hand,
             trials: None,
         };
@@ -142,7 +142,7 @@ pub(super) fn judge(
         context: &own,
         weave: in_time.weave(),
         solution: &there,
-        processes: in_time.wandering,
+        likely: &in_time.wandering,
         strayed: in_time.strayed,
         trials: (!in_time.strayed.may_be_hand()).then_some(BodyTrials {
             context,
@@ -158,7 +158,7 @@ struct ToldMotion<'a> {
     context: &'a SolveContext<'a>,
     weave: &'a Weave,
     solution: &'a Solution,
-    processes: [Process; 2],
+    likely: &'a LikelyErrors,
     strayed: Strayed,
     trials: Option<BodyTrials<'a>>,
 }
@@ -203,7 +203,7 @@ impl ToldMotion<'_> {
             strayed: self.strayed,
             trials: self.trials.as_ref().map(|of| of as &dyn Trials),
         };
-        let fitted = restricted.at(&self.processes);
+        let fitted = restricted.at(self.likely);
         let fitted = fitted.ok_or(FitUntold::FewSamples)?;
         asked.judged(&restricted, &fitted, observer)
     }
@@ -222,14 +222,17 @@ impl ToldMotion<'_> {
                 priors: &DMatrix::zeros(size, size),
                 least: 0.0,
             };
-            let at_rest = at_rest.likeliest(&[Process::EXPECTED; 2])?;
+            let at_rest = at_rest.likeliest(&LikelyErrors::EXPECTED)?;
             let moving = Restricted {
                 rows: &rows.of_kind(0).select(&[rows.count() - 1]),
                 free: 0,
                 priors: &DMatrix::zeros(1, 1),
                 least: 0.0,
             };
-            let moving = moving.at(&[self.processes[0], Process::EXPECTED])?;
+            let moving = moving.at(&LikelyErrors::of([
+                self.likely.processes[0],
+                Process::EXPECTED,
+            ]))?;
             // Restricted likelihoods of other means are not comparable.
             let at_rest = at_rest.merit - at_rest.information.ln_determinant();
             Some(at_rest + BY_CHANCE < moving.merit)

@@ -6,6 +6,30 @@ use wide::f64x4;
 /// Number of samples at a time.
 pub const LANES: usize = 4;
 
+/// As many numbers, with zeros where they are fewer.
+#[inline]
+pub fn loaded(numbers: &[f64]) -> f64x4 {
+    let mut all = [0.0; LANES];
+    match <[f64; LANES]>::try_from(numbers) {
+        Ok(four) => all = four,
+        Err(_) => all[..numbers.len()].copy_from_slice(numbers),
+    }
+    f64x4::from(all)
+}
+
+/// Puts the first of them into as many places, or fewer.
+#[inline]
+pub fn store(lanes: f64x4, numbers: &mut [f64]) {
+    let all = lanes.to_array();
+    match <&mut [f64; LANES]>::try_from(&mut *numbers) {
+        Ok(four) => *four = all,
+        Err(_) => {
+            let count = numbers.len();
+            numbers.copy_from_slice(&all[..count]);
+        }
+    }
+}
+
 /// Four vectors.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Vectors(pub [f64x4; 3]);

@@ -55,7 +55,7 @@ pub struct InTime {
     /// Who may have strayed.
     pub(in crate::estimate) strayed: Strayed,
     /// The likeliest errors, with a wander.
-    pub(in crate::estimate) wandering: [Process; 2],
+    pub(in crate::estimate) wandering: LikelyErrors,
     /// The errors that samples have: noise alone where it explains them, and where nobody strayed.
     errors: [Process; 2],
 }
@@ -71,15 +71,15 @@ impl InTime {
             true => Kinks::Rounded,
             false => Kinks::Sharp,
         };
-        let expected = [Process::EXPECTED; 2];
+        let expected = LikelyErrors::EXPECTED;
         let (point, epochs_s) = (&solution.point, &context.epochs_s);
-        let problem = context.problem.woven(expected, kinks, point, epochs_s);
+        let problem = context.problem.woven(&expected, kinks, point, epochs_s);
         Self {
             layout: Layout::new(&problem),
             problem,
             strayed,
             wandering: expected,
-            errors: expected,
+            errors: [Process::EXPECTED; 2],
         }
     }
 
@@ -96,16 +96,15 @@ impl InTime {
         if !restricted.is_told() {
             return None;
         }
-        let wandering = restricted.likeliest(&[Process::EXPECTED; 2])?;
+        let wandering = restricted.likeliest(&LikelyErrors::EXPECTED)?;
         let alone = NoiseAlone::of(&restricted, &wandering)?;
         let errors = match strayed == Strayed::NoHand || alone.explains() {
             true => alone.fitted.processes,
             false => wandering.processes,
         };
-        let (wandering, errors) = (told.lacking(wandering.processes), told.lacking(errors));
         Some(Self {
-            wandering,
-            errors,
+            wandering: told.lacking(wandering.likely()),
+            errors: told.lacking(LikelyErrors::of(errors)).processes,
             ..expected
         })
     }
@@ -182,8 +181,8 @@ impl Told {
         self.linearised.restricted()
     }
 
-    fn lacking(&self, processes: [Process; 2]) -> [Process; 2] {
-        processes.map(|of| of.times(self.lacking))
+    fn lacking(&self, errors: LikelyErrors) -> LikelyErrors {
+        errors.times(self.lacking)
     }
 }
 
@@ -196,7 +195,6 @@ pub(in crate::estimate) fn likely(
     apart_s: f64,
 ) -> Option<LikelyErrors> {
     let told = Told::new(context, solution, apart_s)?;
-    let mut likely = told.restricted().likely(from, apart_s)?;
-    likely.processes = told.lacking(likely.processes);
-    Some(likely)
+    let likely = told.restricted().likely(from, apart_s)?;
+    Some(told.lacking(likely))
 }

@@ -29,7 +29,7 @@ impl VagueErrors {
         let kkt = Kkt::new(context, system, multipliers)?;
         let free = free_directions(context, system, &kkt)?;
         let linearised = LinearisedSolution::new(context, point, &free, free.ncols(), APART_S)?;
-        let more = linearised.restricted().vague(&weave.processes)?;
+        let more = linearised.restricted().vague(&weave.errors.processes)?;
         let count = free.ncols();
         let products = products(context, system, &free);
         let information = products.view((0, 0), (count, count));

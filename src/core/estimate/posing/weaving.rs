@@ -13,6 +13,7 @@ use crate::estimate::problem::weave::{Kinks, Weave, WovenArc, WovenHand, WovenSa
 use crate::estimate::problem::{Arc, INFORMED_MIN, Problem, Shows, View};
 use crate::estimate::unknowns::point::Point;
 use crate::estimate::wander::kink::{APART_S, Rounding, is_near_kinks, kink_s};
+use crate::estimate::wander::likelihood::LikelyErrors;
 use crate::estimate::wander::{Filter, Process};
 use crate::physics::flow;
 
@@ -22,13 +23,7 @@ const FORGOTTEN: f64 = 1e-9;
 impl Problem {
     /// The same problem where samples err in time; those near impacts of a motion are left out where a hand rounds them. The tempo's prior is that of
     /// the hand itself. Trackers on one body are in one hand.
-    pub fn woven(
-        &self,
-        processes: [Process; 2],
-        kinks: Kinks,
-        at: &Point,
-        epochs_s: &[f64],
-    ) -> Self {
+    pub fn woven(&self, errors: &LikelyErrors, kinks: Kinks, at: &Point, epochs_s: &[f64]) -> Self {
         let mut hands: Vec<WovenHand> = Vec::new();
         // Which error of one tracker goes with which of another depends on how late a clock is.
         let mut roles = self.roles.iter();
@@ -114,11 +109,14 @@ impl Problem {
                     .samples
                     .sort_by(|a, b| a.acted_s.total_cmp(&b.acted_s));
             }
-            for (kind, process) in processes.iter().enumerate() {
+            for (kind, process) in errors.processes.iter().enumerate() {
                 self.filter(hand, kind, process);
             }
         }
-        self.woven_as(&Weave { processes, hands })
+        self.woven_as(&Weave {
+            errors: errors.clone(),
+            hands,
+        })
     }
 
     /// The same problem where the samples err as those of another one that differs in its parameters alone.

@@ -4,7 +4,8 @@
 use std::ops::Range;
 
 use super::influence::Acting;
-use crate::estimate::wander::{Gain, Process, SampleInstant};
+use crate::estimate::wander::likelihood::LikelyErrors;
+use crate::estimate::wander::{Gain, SampleInstant};
 use crate::motion::{MechanismIndex, TrackIndex};
 
 /// How impacts are seen.
@@ -21,7 +22,7 @@ pub enum Kinks {
 #[derive(Clone, Debug)]
 pub struct Weave {
     /// Errors of positions, and of orientations and directions, in units of residuals.
-    pub processes: [Process; 2],
+    pub errors: LikelyErrors,
     /// Hand by hand.
     pub hands: Vec<WovenHand>,
 }

@@ -12,7 +12,7 @@ use crate::estimate::problem::influence::Influence;
 use crate::estimate::problem::weave::Kinks;
 use crate::estimate::schedule::recipe::{self, Recipe, Solution};
 use crate::estimate::wander::likelihood::{self, LikelyErrors};
-use crate::estimate::wander::{Process, process};
+use crate::estimate::wander::process;
 use crate::motion::{Observer, Performance, Performer, Timing, VelocityGaps};
 use crate::optimise::Work;
 
@@ -103,7 +103,7 @@ fn refined(
     epochs_s: &[f64],
     observer: &mut dyn Observer,
 ) -> Option<(Posed, Solution)> {
-    let expected = LikelyErrors::of([Process::EXPECTED; 2]);
+    let expected = LikelyErrors::EXPECTED;
     let is_motion = start.finished.converged;
     let mut errors = match is_motion {
         true => likely_at_start(posed, &start, epochs_s).unwrap_or(expected.clone()),
@@ -120,7 +120,7 @@ fn refined(
             .as_ref()
             .map_or(&start.point, |(_, solution)| &solution.point);
         let exact = posed.problem.without_velocity_gaps();
-        let woven = Posed::new(exact.woven(errors.processes, Kinks::Rounded, from, epochs_s));
+        let woven = Posed::new(exact.woven(&errors, Kinks::Rounded, from, epochs_s));
         let recipe = match is_motion || best.is_some() {
             true => Recipe::default().from_the_last(),
             false => Recipe::default().without_sweep(),
@@ -169,7 +169,7 @@ fn likely_at_start(posed: &Posed, start: &Solution, epochs_s: &[f64]) -> Option<
     if is_too_free(&context, &start.system) {
         return None;
     }
-    let expected = LikelyErrors::of([Process::EXPECTED; 2]);
+    let expected = LikelyErrors::EXPECTED;
     likely(&context, &start, &expected, likelihood::APART_S)
 }
 

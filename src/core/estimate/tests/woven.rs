@@ -11,6 +11,7 @@ use crate::estimate::terms::woven;
 use crate::estimate::unknowns::layout::Layout;
 use crate::estimate::unknowns::point::Point;
 use crate::estimate::wander::Process;
+use crate::estimate::wander::likelihood::LikelyErrors;
 use crate::estimate::wander::series::SeriesRows;
 use crate::math::differentiate;
 use crate::math::random::Random;
@@ -36,9 +37,10 @@ const PROCESSES: [Process; 2] = [
 
 /// Runs `check` on all cases, where samples err in time.
 pub(in crate::estimate) fn each_woven(check: impl Fn(&SolveContext, &Point, &[f64])) {
+    let errors = LikelyErrors::of(PROCESSES);
     each_case(1.0, |context, _, point, lengths| {
         let problem: &Problem = context.problem;
-        let woven = problem.woven(PROCESSES, Kinks::Rounded, point, &context.epochs_s);
+        let woven = problem.woven(&errors, Kinks::Rounded, point, &context.epochs_s);
         let layout = Layout::new(&woven);
         let context = SolveContext::new(&woven, &layout, context.epochs_s.clone(), point);
         check(&context, point, lengths);

@@ -48,11 +48,9 @@ pub(super) fn judge(
     let columns = of.columns(&totals);
     let (rows, priors) = of.rows(&columns);
     let restricted = of.restricted(&rows, &priors);
-    let fitted = restricted
-        .at(&told.processes)
-        .ok_or(FitUntold::FewSamples)?;
+    let fitted = restricted.at(&told.likely()).ok_or(FitUntold::FewSamples)?;
     let joint = of.linear.rms();
-    let strayed = match (of.problem.errors, scene.performer) {
+    let strayed = match (&of.problem.errors, scene.performer) {
         (Some(_), _) => Strayed::Hand,
         (None, Performer::Nobody) => Strayed::Tracker,
         (None, Performer::Hand | Performer::Unsaid) => Strayed::MaybeHand,

@@ -10,7 +10,7 @@ use super::hands;
 use super::sample::{self, TreeSample};
 use super::tempo::Tempo;
 use crate::estimate::problem::unit;
-use crate::estimate::wander::Process;
+use crate::estimate::wander::likelihood::LikelyErrors;
 use crate::motion::held::HeldEstimate;
 use crate::motion::{Cone, FreeParameter, GoalUnit, Scene, Sketch};
 use crate::physics::tree::Forest;
@@ -41,7 +41,7 @@ pub struct TreeProblem {
     /// See `parameters`.
     pub cones: Vec<Cone>,
     /// How samples err in time, of places and of turns, in their units; `None` where each errs by itself.
-    pub errors: Option<[Process; 2]>,
+    pub errors: Option<LikelyErrors>,
     /// In order of time.
     pub samples: Vec<TreeSample>,
     /// In order of time.
@@ -102,10 +102,14 @@ impl TreeProblem {
             sample.acted_s == last_s
         });
         let share = kept.len() as f64 / self.samples.len() as f64;
-        let mut errors = self.errors;
+        let mut errors = self.errors.clone();
         match &mut errors {
             // A wander is the same however often it is seen.
-            Some(errors) => errors.iter_mut().for_each(|of| of.noise_sd *= share.sqrt()),
+            Some(LikelyErrors { processes, .. }) => {
+                processes
+                    .iter_mut()
+                    .for_each(|of| of.noise_sd *= share.sqrt());
+            }
             None => kept
                 .iter_mut()
                 .for_each(|sample| sample.unit *= share.sqrt()),

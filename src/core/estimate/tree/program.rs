@@ -126,7 +126,8 @@ impl<'a> TreeProgram<'a> {
         system.hessian.clear();
         let mut whitened = problem
             .errors
-            .map(|errors| WhitenedSums::new(problem, errors, has_derivatives));
+            .as_ref()
+            .map(|errors| WhitenedSums::new(problem, errors.processes, has_derivatives));
         for node in 0..problem.nodes_s.len() {
             let each = &mut |residual: &Residual| {
                 if !residual.sample.is_counted {

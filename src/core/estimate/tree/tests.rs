@@ -9,7 +9,7 @@ use super::problem::TreeProblem;
 use super::program::{Part, TreeProgram};
 use super::time_line::TimeLine;
 use crate::config::scene_from_toml;
-use crate::estimate::wander::Process;
+use crate::estimate::wander::likelihood::LikelyErrors;
 use crate::math::differentiate;
 use crate::math::random::Random;
 use crate::motion::{MarkTime, Sample, Scene, Seen, Sketch, Stamp, TrackSketch};
@@ -65,7 +65,7 @@ fn derivatives_are_those_of_differences() {
     for nodes_s in [vec![0.0], vec![0.0, 0.035, 0.07]] {
         problem.nodes_s = nodes_s;
         let nodes = vec![some_state(&problem); problem.nodes_s.len()];
-        for errors in [None, Some([Process::EXPECTED; 2])] {
+        for errors in [None, Some(LikelyErrors::EXPECTED)] {
             problem.errors = errors;
             check(&problem, &TreePoint::new(&problem, nodes.clone()));
         }

@@ -8,8 +8,8 @@ use super::modes::walked;
 use super::optimum::{Solved, finished};
 use super::point::TreePoint;
 use super::problem::TreeProblem;
-use crate::estimate::wander::Process;
 use crate::estimate::wander::kink::{APART_S, kink_s};
+use crate::estimate::wander::likelihood::LikelyErrors;
 use crate::estimate::wander::process;
 use crate::motion::{Observer, TrackIndex, TreeTouch};
 use crate::optimise::Schedule;
@@ -29,7 +29,7 @@ impl Solved {
         if !self.solution.finished.converged {
             return;
         }
-        let Some(near) = self.erring([Process::EXPECTED; 2], observer) else {
+        let Some(near) = self.erring(LikelyErrors::EXPECTED, observer) else {
             return;
         };
         let mut work = near.solution.work;
@@ -45,15 +45,20 @@ impl Solved {
     /// The optimum near by with the errors that its residuals make likeliest, of one that has some.
     fn likeliest(mut self, observer: &mut dyn Observer) -> Self {
         for _ in 0..ROUNDS {
-            let Some(errors) = self.problem.errors.filter(|_| !observer.should_stop()) else {
+            let Some(errors) = self
+                .problem
+                .errors
+                .clone()
+                .filter(|_| !observer.should_stop())
+            else {
                 break;
             };
             let linearised = Linearised::new(&self.problem, &self.solution);
             let Some(likely) = linearised.and_then(|of| of.fitted(&errors)) else {
                 break;
             };
-            let is_same = process::change(&errors, &likely.processes) < SAME;
-            let again = (!is_same).then(|| self.erring(likely.processes, observer));
+            let is_same = process::change(&errors.processes, &likely.processes) < SAME;
+            let again = (!is_same).then(|| self.erring(likely.likely(), observer));
             let Some(again) = again.flatten() else {
                 break;
             };
@@ -69,7 +74,7 @@ impl Solved {
     }
 
     /// The optimum near by with such errors; `None` where there is none.
-    fn erring(&self, errors: [Process; 2], observer: &mut dyn Observer) -> Option<Self> {
+    fn erring(&self, errors: LikelyErrors, observer: &mut dyn Observer) -> Option<Self> {
         let point = &self.solution.point;
         let problem = self.problem.erring(errors, point);
         let near_by = Schedule {
@@ -88,7 +93,7 @@ impl Solved {
 impl TreeProblem {
     /// The same problem where samples err in time, with events at these times of a point \[s\]; those near impacts of what is
     /// struck are left out. What else is known counts once, beside samples that count as often as they tell something.
-    fn erring(&self, errors: [Process; 2], at: &TreePoint) -> Self {
+    fn erring(&self, errors: LikelyErrors, at: &TreePoint) -> Self {
         let mut problem = self.clone();
         let line = at.time_line(self);
         let mut last_s: BTreeMap<(TrackIndex, usize), f64> = BTreeMap::new();

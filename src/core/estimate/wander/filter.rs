@@ -15,8 +15,10 @@
 //! ```
 
 use nalgebra::{Matrix3, Vector3};
+use wide::f64x4;
 
 use super::process::Process;
+use crate::math::lanes::{self, LANES};
 
 /// When a sample was taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,17 +124,6 @@ impl Gain {
         let observed = self.by.row(0) + self.by.row(2);
         self.by - self.gain * observed
     }
-}
-
-impl Gain {
-    /// Nothing of any entry.
-    fn none() -> Self {
-        Self {
-            by: Matrix3::zeros(),
-            gain: Vector3::zeros(),
-            per_sd: 0.0,
-        }
-    }
 
     /// What slopes by its entries make of its change to another.
     pub fn change(&self, slopes: &Self, to: &Self) -> f64 {
@@ -167,17 +158,18 @@ impl Means {
     /// Replaces the numbers of a sample by those of `e`.
     pub fn whiten(&mut self, gain: &Gain, numbers: &mut [f64]) {
         let (by, k) = (&gain.by, &gain.gain);
-        let [places, speeds, roughs] = &mut self.each;
-        let means = places.iter_mut().zip(speeds).zip(roughs);
-        for (number, ((place, speed), rough)) in numbers.iter_mut().zip(means) {
-            let expected = by[(0, 0)] * *place + by[(0, 1)] * *speed;
-            let expected_speed = by[(1, 0)] * *place + by[(1, 1)] * *speed;
-            let expected_rough = by[(2, 2)] * *rough;
-            let off = *number - expected - expected_rough;
-            *place = expected + k[0] * off;
-            *speed = expected_speed + k[1] * off;
-            *rough = expected_rough + k[2] * off;
-            *number = off * gain.per_sd;
+        let [places, speeds, roughs] = self.each.each_mut().map(|of| of.chunks_mut(LANES));
+        let means = places.zip(speeds).zip(roughs);
+        for (numbers, ((places, speeds), roughs)) in numbers.chunks_mut(LANES).zip(means) {
+            let [place, speed, rough] = [&*places, &*speeds, &*roughs].map(lanes::loaded);
+            let expected = place * by[(0, 0)] + speed * by[(0, 1)];
+            let expected_speed = place * by[(1, 0)] + speed * by[(1, 1)];
+            let expected_rough = rough * by[(2, 2)];
+            let off = lanes::loaded(numbers) - expected - expected_rough;
+            lanes::store(expected + off * k[0], places);
+            lanes::store(expected_speed + off * k[1], speeds);
+            lanes::store(expected_rough + off * k[2], roughs);
+            lanes::store(off * gain.per_sd, numbers);
         }
     }
 }
@@ -212,28 +204,49 @@ impl GainSlopes {
     /// x = e'/s + kᵀ a,   k' = a (r − H F m),   F' = (a − Hᵀ x) mᵀ,   a ← Fᵀ (a − Hᵀ x)
     /// ```
     pub fn pop(&mut self, gain: &Gain, whitened: &[f64], slopes: &[f64]) -> Gain {
-        let mut all = Gain::none();
         let before = self.before.pop().expect("one for each sample");
-        let [places, speeds, roughs] = &mut self.adjoint.each;
+        let [places, speeds, roughs] = self.adjoint.each.each_mut().map(|of| of.chunks_mut(LANES));
         let (by, k, per_sd) = (&gain.by, &gain.gain, gain.per_sd);
-        for (at, (white, slope)) in whitened.iter().zip(slopes).enumerate() {
+        let mut by_sd = f64x4::ZERO;
+        let mut by_gain = [f64x4::ZERO; 3];
+        let mut by_expected = [f64x4::ZERO; 5];
+        let mut first = 0;
+        for ((places, speeds), roughs) in places.zip(speeds).zip(roughs) {
+            let range = first..first + places.len();
+            first = range.end;
+            let [place, speed, rough] = [&*places, &*speeds, &*roughs].map(lanes::loaded);
+            let [white, slope] = [whitened, slopes].map(|of| lanes::loaded(&of[range.clone()]));
             let off = white / per_sd;
-            let [place, speed, rough] = [&mut places[at], &mut speeds[at], &mut roughs[at]];
-            let by_off = slope * per_sd + k[0] * *place + k[1] * *speed + k[2] * *rough;
-            all.per_sd += slope * off;
-            all.gain += Vector3::new(*place, *speed, *rough) * off;
-            let expected = [*place - by_off, *speed, *rough - by_off];
-            let [m, v, o] = [0, 1, 2].map(|of| before.each[of][at]);
-            all.by[(0, 0)] += expected[0] * m;
-            all.by[(0, 1)] += expected[0] * v;
-            all.by[(1, 0)] += expected[1] * m;
-            all.by[(1, 1)] += expected[1] * v;
-            all.by[(2, 2)] += expected[2] * o;
-            *place = by[(0, 0)] * expected[0] + by[(1, 0)] * expected[1];
-            *speed = by[(0, 1)] * expected[0] + by[(1, 1)] * expected[1];
-            *rough = by[(2, 2)] * expected[2];
+            let by_off = slope * per_sd + place * k[0] + speed * k[1] + rough * k[2];
+            by_sd += slope * off;
+            for (sum, adjoint) in by_gain.iter_mut().zip([place, speed, rough]) {
+                *sum += adjoint * off;
+            }
+            let expected = [place - by_off, speed, rough - by_off];
+            let [m, v, o] = before
+                .each
+                .each_ref()
+                .map(|of| lanes::loaded(&of[range.clone()]));
+            let pairs = [
+                expected[0] * m,
+                expected[0] * v,
+                expected[1] * m,
+                expected[1] * v,
+                expected[2] * o,
+            ];
+            for (sum, pair) in by_expected.iter_mut().zip(pairs) {
+                *sum += pair;
+            }
+            lanes::store(expected[0] * by[(0, 0)] + expected[1] * by[(1, 0)], places);
+            lanes::store(expected[0] * by[(0, 1)] + expected[1] * by[(1, 1)], speeds);
+            lanes::store(expected[2] * by[(2, 2)], roughs);
         }
-        all
+        let [mm, mv, vm, vv, oo] = by_expected.map(f64x4::reduce_add);
+        Gain {
+            by: Matrix3::new(mm, mv, 0.0, vm, vv, 0.0, 0.0, 0.0, oo),
+            gain: Vector3::from(by_gain.map(f64x4::reduce_add)),
+            per_sd: by_sd.reduce_add(),
+        }
     }
 }
 

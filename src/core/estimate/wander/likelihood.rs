@@ -23,6 +23,15 @@ const WELL: f64 = 1e-3;
 const SPREADS: LogProcess = [1.5, 1.0, 1.5, 0.8, 1.5];
 /// Samples that are nearer to one another tell little more of a hand \[s\].
 pub const APART_S: f64 = 1.0 / 35.0;
+/// By how much each number changes with another one in directions that samples tell by themselves: with `a` at one `ℓ`, with `ℓ`
+/// at one `a²/ℓ³`, which is all that short samples tell of the smooth part; with `b` at one `m`, with `m` at one `b²/m`.
+const DIRECTIONS: [LogProcess; Process::COUNT] = [
+    [1.0, 0.0, 0.0, 0.0, 0.0],
+    [1.5, 1.0, 0.0, 0.0, 0.0],
+    [0.0, 0.0, 1.0, 0.0, 0.0],
+    [0.0, 0.0, 0.5, 1.0, 0.0],
+    [0.0, 0.0, 0.0, 0.0, 1.0],
+];
 /// Greatest number of steps.
 const STEPS: usize = 30;
 /// Step of the differences of gains.
@@ -47,11 +56,25 @@ pub struct LikelyErrors {
 }
 
 impl LikelyErrors {
+    /// Before anything is seen.
+    pub const EXPECTED: Self = Self {
+        processes: [Process::EXPECTED; 2],
+        inverse: None,
+    };
+
     /// Of which no more is known.
     pub fn of(processes: [Process; 2]) -> Self {
         Self {
             processes,
             inverse: None,
+        }
+    }
+
+    /// The same with all sizes so many times as great.
+    pub fn times(self, factor: f64) -> Self {
+        Self {
+            processes: self.processes.map(|of| of.times(factor)),
+            ..self
         }
     }
 }
@@ -71,9 +94,19 @@ pub struct FittedErrors {
     pub left: DMatrix<f64>,
     /// Whether there are samples of each kind.
     pub shown: [bool; 2],
+    /// As in [`LikelyErrors`].
+    inverse: Option<DMatrix<f64>>,
 }
 
 impl FittedErrors {
+    /// The errors, and what a search told of them.
+    pub fn likely(&self) -> LikelyErrors {
+        LikelyErrors {
+            processes: self.processes,
+            inverse: self.inverse.clone(),
+        }
+    }
+
     /// Variance of the wander of the kinds that are shown, in units, or where nothing strays, of the noise.
     pub fn strayed(&self) -> f64 {
         let kinds = (0..2).filter(|kind| self.shown[*kind]);
@@ -112,9 +145,13 @@ impl Restricted<'_> {
     }
 
     /// What follows of errors of these sizes and times; `None` where a number is none.
-    pub fn at(&self, processes: &[Process; 2]) -> Option<FittedErrors> {
+    pub fn at(&self, errors: &LikelyErrors) -> Option<FittedErrors> {
+        let LikelyErrors { processes, inverse } = errors;
         let [positions, orientations] = self.products(processes);
-        self.with(processes, [&positions, &orientations])
+        Some(FittedErrors {
+            inverse: inverse.clone(),
+            ..self.with(processes, [&positions, &orientations])?
+        })
     }
 
     /// The likeliest errors, from where they are thought to be: as samples tell them that are at least so far apart \[s\]. They
@@ -138,20 +175,18 @@ impl Restricted<'_> {
     }
 
     /// What follows of the likeliest errors, as samples tell them that are not nearer to one another than a hand moves.
-    pub fn fitted(&self, from: &[Process; 2]) -> Option<FittedErrors> {
-        let likely = self.likely(&LikelyErrors::of(*from), APART_S)?;
-        self.at(&likely.processes)
+    pub fn fitted(&self, from: &LikelyErrors) -> Option<FittedErrors> {
+        self.at(&self.likely(from, APART_S)?)
     }
 
-    /// The likeliest errors as all samples tell them.
-    pub fn likeliest(&self, from: &[Process; 2]) -> Option<FittedErrors> {
-        let likely = self.likely(&LikelyErrors::of(*from), 0.0)?;
-        self.at(&likely.processes)
+    /// The likeliest errors as all samples tell them, from where they are thought to be.
+    pub fn likeliest(&self, from: &LikelyErrors) -> Option<FittedErrors> {
+        self.at(&self.likely(from, 0.0)?)
     }
 
     /// The likeliest noise where nothing strays, from that which makes all that is left.
     pub fn likeliest_noise(&self) -> Option<FittedErrors> {
-        self.likeliest(&[0, 1].map(|kind| {
+        let processes = [0, 1].map(|kind| {
             let left = self.rows.residual_rms(kind);
             Process {
                 noise_sd: match left > 0.0 {
@@ -160,7 +195,8 @@ impl Restricted<'_> {
                 },
                 ..Process::EXPECTED.without_wander()
             }
-        }))
+        });
+        self.likeliest(&LikelyErrors::of(processes))
     }
 
     /// Searches among the numbers of the parts that are there, of kinds that are shown.
@@ -178,7 +214,8 @@ impl Restricted<'_> {
             // Taken for too small, noise would be told as a rough part that changes from sample to sample.
             for kind in (0..2).filter(|kind| from.processes[*kind].wanders()) {
                 let noise_sd = self.rows.neighbours_sd(kind);
-                logs[kind][4] = noise_sd.map_or(logs[kind][4], f64::ln);
+                let noise = &mut logs[kind][Process::NOISE];
+                *noise = noise_sd.map_or(*noise, f64::ln);
             }
         }
         let mut here = self.valued(&logs)?;
@@ -282,7 +319,7 @@ impl Restricted<'_> {
         })
     }
 
-    /// Inverse second derivatives of the merit by each number alone.
+    /// The inverse Hessian of the merit, where second derivatives by [`DIRECTIONS`] are all that there are.
     fn inverse_curvatures(
         &self,
         here: &Likelihood,
@@ -295,12 +332,17 @@ impl Restricted<'_> {
             let beside = |by: f64| self.beside(here, logs, place(at), by);
             let bent = beside(WIDE_STEP)? + beside(-WIDE_STEP)? - 2.0 * here.merit;
             let bent = bent / WIDE_STEP.powi(2);
-            inverse[(at, at)] = bent.max(LEAST_CURVATURE).recip();
+            let (kind, number) = place(at);
+            let direction = DVector::from_fn(size, |other, _| match place(other) {
+                (of, other) if of == kind => DIRECTIONS[number][other],
+                _ => 0.0,
+            });
+            inverse += &direction * direction.transpose() / bent.max(LEAST_CURVATURE);
         }
         Some(inverse)
     }
 
-    /// The merit where one number of one kind is another, by its logarithm: only that kind's products change.
+    /// The merit farther along a direction of one kind: only that kind's products change.
     fn beside(
         &self,
         here: &Likelihood,
@@ -309,7 +351,9 @@ impl Restricted<'_> {
         by: f64,
     ) -> Option<f64> {
         let mut there = *logs;
-        there[kind][number] += by;
+        for (log, along) in there[kind].iter_mut().zip(DIRECTIONS[number]) {
+            *log += by * along;
+        }
         let processes = there.map(|of| Process::of_logs(&of));
         let changed = self.rows.products(kind, &processes[kind]);
         let all = match kind {
@@ -319,7 +363,8 @@ impl Restricted<'_> {
         Some(self.with(&processes, all)?.merit)
     }
 
-    fn with(
+    /// What follows of errors with such products.
+    pub(super) fn with(
         &self,
         processes: &[Process; 2],
         products: [&WhitenedProducts; 2],
@@ -344,6 +389,7 @@ impl Restricted<'_> {
             information,
             left,
             shown: [0, 1].map(|kind| self.rows.shows(kind)),
+            inverse: None,
         })
     }
 }
@@ -499,7 +545,7 @@ mod tests {
             let rows = SeriesRows::new(&series, &columns);
             let priors = DMatrix::zeros(10, 10);
             let of = about_parabola(&rows, &priors);
-            let fitted = of.likeliest(&[Process::EXPECTED; 2]).expect("a likelihood");
+            let fitted = of.likeliest(&LikelyErrors::EXPECTED).expect("a likelihood");
             let found = fitted.processes[0].logs();
             for (off, at) in off.iter_mut().zip([0, 1, 4]) {
                 *off += (found[at] - TRUE.logs()[at]) / f64::from(count);
@@ -536,6 +582,32 @@ mod tests {
         }
     }
 
+    /// Where nothing strays and all noise is alike, products are not whitened: against those that are.
+    #[test]
+    fn noise_alone_is_what_a_wander_of_nothing_is() {
+        let mut random = Random::default();
+        let (series, columns) = drawn(&mut random, 40);
+        let rows = SeriesRows::new(&series, &columns);
+        let still = Process::EXPECTED.without_wander();
+        let hardly = Process {
+            smooth_sd: 1e-9,
+            rough_sd: 1e-9,
+            ..still
+        };
+        let by_gram = DMatrix::from_fn(10, 10, |a, b| 1.0 + (a * b) as f64);
+        let [alone, near] = [still, hardly].map(|process| {
+            let products = rows.products(0, &process);
+            let slopes = rows.slopes(0, &process, &by_gram, STEP);
+            (products, slopes[Process::NOISE])
+        });
+        let off = (&alone.0.gram - &near.0.gram).amax() / near.0.gram.amax();
+        assert!(off < 1e-9, "{off}");
+        assert!((alone.0.log_variance - near.0.log_variance).abs() < 1e-9);
+        // The one slope is exact, the other by differences of gains.
+        let off = (alone.1 - near.1).abs() / near.1.abs();
+        assert!(off < 1e-3, "{off}");
+    }
+
     /// Where it ends no number of the process makes it less.
     #[test]
     fn nothing_near_by_is_likelier() {
@@ -544,13 +616,13 @@ mod tests {
         let rows = SeriesRows::new(&series, &columns);
         let priors = DMatrix::zeros(10, 10);
         let of = about_parabola(&rows, &priors);
-        let best = of.likeliest(&[Process::EXPECTED; 2]).expect("a likelihood");
+        let best = of.likeliest(&LikelyErrors::EXPECTED).expect("a likelihood");
         for number in 0..Process::COUNT {
             for by in [-0.05, 0.05] {
                 let mut logs = best.processes[0].logs();
                 logs[number] += by;
                 let there = [Process::of_logs(&logs), best.processes[1]];
-                let there = of.at(&there).expect("a likelihood").merit;
+                let there = of.at(&LikelyErrors::of(there)).expect("a likelihood").merit;
                 assert!(
                     there > best.merit - 2e-3,
                     "{number} {by}: {}",
@@ -591,7 +663,7 @@ mod tests {
             let rows = SeriesRows::new(&series, &columns);
             let priors = DMatrix::zeros(11, 11);
             let of = about_parabola(&rows, &priors);
-            let narrow = of.fitted(&[Process::EXPECTED; 2]).expect("a likelihood");
+            let narrow = of.fitted(&LikelyErrors::EXPECTED).expect("a likelihood");
             let kept = [wrong::KeptQuantity {
                 typical: 1.0,
                 explains_least: 0.0,

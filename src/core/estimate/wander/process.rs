@@ -38,6 +38,9 @@ impl Process {
     /// Number of its numbers.
     pub const COUNT: usize = 5;
 
+    /// Place of the noise among them.
+    pub const NOISE: usize = 4;
+
     /// The same of which nothing strays.
     pub fn without_wander(&self) -> Self {
         let nothing = f64::MIN_POSITIVE.sqrt();

@@ -1,5 +1,7 @@
 //! Residuals of a motion, linearised, series by series.
 
+use std::cell::OnceCell;
+
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 
 use super::filter::{Filter, Gain, GainSlopes, Means, SampleInstant};
@@ -42,6 +44,8 @@ struct RowsOfSeries {
     taken: Vec<SampleInstant>,
     /// Sample by sample, column by column, axis by axis.
     numbers: Vec<f64>,
+    /// Products of its columns as they are, where they were asked for.
+    plain: OnceCell<DMatrix<f64>>,
 }
 
 /// Products of whitened columns, `[J u r]ᵀ V⁻¹ [J u r]`, of samples of one kind.
@@ -61,6 +65,34 @@ fn axes(rows: &mut DMatrix<f64>) -> impl Iterator<Item = DMatrixViewMut<'_, f64>
 }
 
 impl RowsOfSeries {
+    /// The same with other samples, or with other columns of them.
+    fn with(&self, taken: Vec<SampleInstant>, numbers: Vec<f64>) -> Self {
+        Self {
+            taken,
+            numbers,
+            plain: OnceCell::new(),
+            ..*self
+        }
+    }
+
+    /// Variance of each number where nothing strays and all samples are of the same noise.
+    fn variance(&self, process: &Process) -> Option<f64> {
+        let own = self.taken.first()?.noise_variance;
+        let is_alike = self.taken.iter().all(|taken| taken.noise_variance == own);
+        (is_alike && !process.wanders()).then(|| process.noise_sd.powi(2) + own)
+    }
+
+    /// Products of its columns as they are.
+    fn plain(&self, count: usize) -> &DMatrix<f64> {
+        self.plain.get_or_init(|| {
+            let mut plain = WhiteProducts::new(count);
+            for sample in self.numbers.chunks_exact(3 * count) {
+                plain.push(sample);
+            }
+            plain.gram()
+        })
+    }
+
     /// Gains of its samples, and `ln |V|` of their three axes.
     fn gains(&self, process: &Process) -> (Vec<Gain>, f64) {
         let mut filter = Filter::new(process);
@@ -81,6 +113,7 @@ impl SeriesRows {
                 .iter()
                 .flat_map(|row| columns.rows(*row, 3).iter().copied().collect::<Vec<_>>())
                 .collect(),
+            plain: OnceCell::new(),
         });
         Self {
             series: of_series.collect(),
@@ -90,14 +123,12 @@ impl SeriesRows {
 
     /// The same with some of the columns.
     pub fn select(&self, kept: &[usize]) -> Self {
-        let of_series = self.series.iter().map(|of| RowsOfSeries {
-            numbers: of
-                .numbers
-                .chunks_exact(3 * self.count)
+        let of_series = self.series.iter().map(|of| {
+            let samples = of.numbers.chunks_exact(3 * self.count);
+            let kept = samples
                 .flat_map(|sample| kept.iter().flat_map(|at| &sample[3 * at..3 * at + 3]))
-                .copied()
-                .collect(),
-            ..of.clone()
+                .copied();
+            of.with(of.taken.clone(), kept.collect())
         });
         Self {
             series: of_series.collect(),
@@ -117,11 +148,7 @@ impl SeriesRows {
     /// The same with samples that are at least so far apart \[s\].
     pub fn thinned(&self, apart_s: f64) -> Self {
         let of_series = self.series.iter().map(|of| {
-            let mut thin = RowsOfSeries {
-                taken: Vec::new(),
-                numbers: Vec::new(),
-                ..*of
-            };
+            let mut thin = of.with(Vec::new(), Vec::new());
             let samples = of.numbers.chunks_exact(3 * self.count);
             for (taken, sample) in of.taken.iter().zip(samples) {
                 let last = thin.taken.last();
@@ -205,6 +232,13 @@ impl SeriesRows {
         let numbers = 3 * self.count;
         let mut slopes = [0.0; Process::COUNT];
         for of in self.series.iter().filter(|of| of.kind == kind) {
+            if let Some(variance) = of.variance(process) {
+                let square = of.plain(self.count).dot(by_gram) / variance;
+                let rows = (3 * of.taken.len()) as f64;
+                slopes[Process::NOISE] +=
+                    2.0 * process.noise_sd.powi(2) / variance * (rows - square);
+                continue;
+            }
             let (gains, log_variance) = of.gains(process);
             let (mut means, mut back) = (Means::new(numbers), GainSlopes::new(numbers));
             let mut white = of.numbers.clone();
@@ -217,7 +251,7 @@ impl SeriesRows {
             for (mut three, white) in axes(&mut rows).zip(white.chunks_exact(numbers)) {
                 three.tr_copy_from(&DMatrixView::from_slice(white, 3, self.count));
             }
-            let mut by_rows = by_gram * rows * 2.0;
+            let mut by_rows = by_gram * 2.0 * rows;
             let mut by_gains: Vec<Gain> = Vec::new();
             let each = gains.iter().zip(white.chunks_exact(numbers));
             let each: Vec<_> = each.zip(axes(&mut by_rows)).collect();
@@ -245,6 +279,11 @@ impl SeriesRows {
             log_variance: 0.0,
         };
         for of in self.series.iter().filter(|of| of.kind == kind) {
+            if let Some(variance) = of.variance(process) {
+                products.gram += of.plain(count) / variance;
+                products.log_variance += (3 * of.taken.len()) as f64 * variance.ln();
+                continue;
+            }
             let (mut filter, mut means) = (Filter::new(process), Means::new(3 * count));
             let mut white = WhiteProducts::new(count);
             let mut numbers = vec![0.0; 3 * count];

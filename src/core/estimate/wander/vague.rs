@@ -13,6 +13,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::likelihood::{FittedErrors, Restricted};
 use super::process::{LogProcess, Process};
+use super::series::WhitenedProducts;
 
 /// Step of second differences.
 const STEP: f64 = 0.1;
@@ -25,43 +26,72 @@ impl Restricted<'_> {
     /// What the variance of the free directions is more for that; `None` where nothing strays, and where a number is none.
     pub fn vague(&self, processes: &[Process; 2]) -> Option<DMatrix<f64>> {
         let kinds = (0..2).filter(|kind| self.rows.shows(*kind) && processes[*kind].wanders());
-        let numbers: Vec<[usize; 2]> = kinds
-            .flat_map(|kind| (0..OF_HAND).map(move |number| [kind, number]))
+        let numbers: Vec<NumberOfHand> = kinds
+            .flat_map(|kind| (0..OF_HAND).map(move |number| NumberOfHand { kind, number }))
             .collect();
         let size = numbers.len();
-        let at = |off: &[f64]| {
-            let mut logs: [LogProcess; 2] = processes.map(|of| of.logs());
-            for ([kind, number], off) in numbers.iter().zip(off) {
-                logs[*kind][*number] += off;
-            }
-            self.at(&logs.map(|of| Process::of_logs(&of)))
-        };
         if size == 0 {
             return None;
         }
-        let here = self.at(processes)?;
-        let merit = |off: &[(usize, f64)]| {
-            let mut all = vec![0.0; size];
-            for (number, by) in off {
-                all[*number] += by;
+        let of_kind = |kind: usize, off: &LogProcess| {
+            let mut logs = processes[kind].logs();
+            for (log, off) in logs.iter_mut().zip(off) {
+                *log += off;
             }
-            Some(at(&all)?.merit)
+            let process = Process::of_logs(&logs);
+            KindOfErrors {
+                products: self.rows.products(kind, &process),
+                process,
+            }
+        };
+        let with = |[one, other]: [&KindOfErrors; 2]| {
+            let processes = [one.process, other.process];
+            self.with(&processes, [&one.products, &other.products])
+        };
+        let still = [0, 1].map(|kind| of_kind(kind, &[0.0; Process::COUNT]));
+        let here = with(still.each_ref())?;
+        // One kind beside the other as it is.
+        let merit = |kind: usize, off: &LogProcess| {
+            let changed = of_kind(kind, off);
+            let mut both = still.each_ref();
+            both[kind] = &changed;
+            let merit = with(both)?.merit;
+            Some((changed, merit))
         };
         let mut ahead = Vec::new();
         let mut curvature = DMatrix::zeros(size, size);
-        for number in 0..size {
-            let (next, before) = (merit(&[(number, STEP)])?, merit(&[(number, -STEP)])?);
-            curvature[(number, number)] = (next + before - 2.0 * here.merit) / (STEP * STEP);
-            ahead.push(next);
+        for (at, of) in numbers.iter().enumerate() {
+            let (changed, next) = merit(of.kind, &of.off(STEP))?;
+            let (_, before) = merit(of.kind, &of.off(-STEP))?;
+            curvature[(at, at)] = (next + before - 2.0 * here.merit) / (STEP * STEP);
+            ahead.push((changed, next));
         }
         for row in 0..size {
             for column in 0..row {
-                let both = merit(&[(row, STEP), (column, STEP)])?;
-                let mixed = both - ahead[row] - ahead[column] + here.merit;
+                let [(one, at_one), (other, at_other)] = [&ahead[column], &ahead[row]];
+                let [first, second] = [numbers[column], numbers[row]];
+                let both = match first.kind == second.kind {
+                    true => {
+                        let mut off = first.off(STEP);
+                        off[second.number] = STEP;
+                        merit(first.kind, &off)?.1
+                    }
+                    // Positions come first.
+                    false => with([one, other])?.merit,
+                };
+                let mixed = both - at_one - at_other + here.merit;
                 curvature[(row, column)] = mixed / (STEP * STEP);
                 curvature[(column, row)] = curvature[(row, column)];
             }
         }
+        let at = |off: &[f64]| {
+            let mut of_kinds = [[0.0; Process::COUNT]; 2];
+            for (of, off) in numbers.iter().zip(off) {
+                of_kinds[of.kind][of.number] = *off;
+            }
+            let both = [0, 1].map(|kind| of_kind(kind, &of_kinds[kind]));
+            with(both.each_ref())
+        };
         let axes = SymmetricEigen::new(curvature);
         let variance = here.information.inverse();
         let mut more = DMatrix::zeros(self.free, self.free);
@@ -77,6 +107,28 @@ impl Restricted<'_> {
     }
 }
 
+/// A number of a process of one kind of errors.
+#[derive(Clone, Copy)]
+struct NumberOfHand {
+    kind: usize,
+    number: usize,
+}
+
+impl NumberOfHand {
+    /// It alone is off, by its logarithm.
+    fn off(self, by: f64) -> LogProcess {
+        let mut off = [0.0; Process::COUNT];
+        off[self.number] = by;
+        off
+    }
+}
+
+/// Errors of one kind, and products of samples with them.
+struct KindOfErrors {
+    process: Process,
+    products: WhitenedProducts,
+}
+
 impl FittedErrors {
     /// Variance of the free directions about another answer.
     fn apart(&self, other: &Self) -> DMatrix<f64> {
@@ -89,6 +141,7 @@ impl FittedErrors {
 mod tests {
     use super::*;
     use crate::estimate::wander::filter::SampleInstant;
+    use crate::estimate::wander::likelihood::LikelyErrors;
     use crate::estimate::wander::series::{Series, SeriesRows};
     use crate::math::random::Random;
     use crate::motion::TrackIndex;
@@ -125,7 +178,7 @@ mod tests {
             priors: &priors,
             least: 0.0,
         };
-        let fitted = of.likeliest(&[Process::EXPECTED; 2]).expect("a likelihood");
+        let fitted = of.likeliest(&LikelyErrors::EXPECTED).expect("a likelihood");
         let more = of.vague(&fitted.processes).expect("a hand");
         let variance = fitted.information.inverse();
         for axis in 0..3 {

@@ -5,7 +5,7 @@
 //! chooses which ones are tried. With `L` the restricted likelihood at the likeliest errors and a prior `N(0, τ²)` of a typical
 //! change `τ`, the odds are `L_free/L_fixed`.
 
-use super::likelihood::{FittedErrors, Restricted};
+use super::likelihood::{FittedErrors, LikelyErrors, Restricted};
 
 /// Deviations beyond which a quantity is wrong,
 pub const WRONG: f64 = 4.0;
@@ -153,7 +153,9 @@ pub fn judge(
         best.sort_by(|a, b| b.1.total_cmp(&a.1));
         best.into_iter().map(|(index, _)| index).take(TRIALS)
     };
-    let by_noise = of.at(&fitted.processes.map(|of| of.without_wander()));
+    let by_noise = of.at(&LikelyErrors::of(
+        fitted.processes.map(|of| of.without_wander()),
+    ));
     let by_noise = by_noise.unwrap_or_else(|| fitted.clone());
     let mut tried: Vec<usize> = best(fitted, TRIED)
         .chain(best(&by_noise, TRIED_BY_NOISE))
@@ -179,7 +181,7 @@ pub fn judge(
     let rows = of.rows.thinned(apart_s);
     let thin = Restricted { rows: &rows, ..*of };
     let is_any = !tried.is_empty() || !blind.is_empty();
-    let fixed = is_any.then(|| thin.likeliest(&fitted.processes));
+    let fixed = is_any.then(|| thin.likeliest(&fitted.likely()));
     if let Some(fixed) = fixed.flatten() {
         for index in tried {
             if looker.should_stop() {
@@ -237,7 +239,7 @@ fn with_one(
         priors: &priors,
         least: of.least,
     };
-    let fitted = with.likeliest(&fixed.processes)?;
+    let fitted = with.likeliest(&fixed.likely())?;
     let change = -fitted.answer[free];
     Some(WrongQuantity {
         index,

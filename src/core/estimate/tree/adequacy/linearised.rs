@@ -9,8 +9,7 @@ use super::linear::{HeldDirections, Linear};
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::TreeProblem;
 use crate::estimate::tree::program::REGULARISER;
-use crate::estimate::wander::Process;
-use crate::estimate::wander::likelihood::{FittedErrors, NoiseAlone, Restricted};
+use crate::estimate::wander::likelihood::{FittedErrors, LikelyErrors, NoiseAlone, Restricted};
 use crate::estimate::wander::series::SeriesRows;
 use crate::optimise::Solution;
 use crate::optimise::active::ActiveSet;
@@ -49,7 +48,7 @@ impl<'s> Linearised<'s> {
     }
 
     /// The likeliest errors of samples that err in time, from where they are thought to be, and what follows of them.
-    pub(in crate::estimate::tree) fn fitted(&self, from: &[Process; 2]) -> Option<FittedErrors> {
+    pub(in crate::estimate::tree) fn fitted(&self, from: &LikelyErrors) -> Option<FittedErrors> {
         let columns = self.columns(&[]);
         let (rows, priors) = self.rows(&columns);
         self.restricted(&rows, &priors).fitted(from)
@@ -115,7 +114,7 @@ impl<'s> Linearised<'s> {
                 let (rows, priors) = self.rows(&columns);
                 self.restricted(&rows, &priors).at(errors)
             }
-            None => self.fitted(&[Process::EXPECTED; 2]),
+            None => self.fitted(&LikelyErrors::EXPECTED),
         };
         self.told.get_or_init(told).as_ref()
     }
