@@ -586,7 +586,7 @@ fn clocks_become_free_quantities_with_their_interval_as_prior() {
     );
     let free = &found.scene.free[0];
     assert_eq!(free.quantity, "pen.b.clock.offset");
-    assert!(free.prior_sd_ms.unwrap() < half);
+    assert!(free.prior_sd < half);
     let scene_file = folder.name("scene.toml");
     std::fs::write(&scene_file, &scene).unwrap();
     let text = ok(&["scene", "calibrated", &scene_file, &file], 0);

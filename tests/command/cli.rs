@@ -599,7 +599,7 @@ fn one_json_object_per_recording_says_everything() {
 #[test]
 fn infinite_bounds_are_null() {
     let free = Plan {
-        scene: Some(SCENE.replace("\"bounce.restitution\"", "\"gravity.x\"\nupper_m_s2 = 1")),
+        scene: Some(SCENE.replace("\"bounce.restitution\"", "\"gravity.x\"\nupper = 1")),
         ..Plan::default()
     };
     let bench = Bench::new(&free);

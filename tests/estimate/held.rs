@@ -218,7 +218,7 @@ fn at_rest_it_is_a_surface_and_from_a_train_too() {
 
 #[test]
 fn a_tracker_whose_clock_or_place_is_off_is_told() {
-    let free = "[[free]]\nquantity = \"racket.clock.offset\"\ninitial_ms = 0\n";
+    let free = "[[free]]\nquantity = \"racket.clock.offset\"\ninitial = 0\n";
     let scene = scene_with(Game::Racket, free);
     let seen = Seen {
         clock_offset_s: 0.012,
@@ -230,7 +230,7 @@ fn a_tracker_whose_clock_or_place_is_off_is_told() {
     let off = deviations(&outcome, "racket.clock.offset", 0.012);
     assert!(off.abs() < 4.0, "{off} {:?}", outcome.estimate.parameters);
     // A tracker that sits 8 mm higher than the scene says.
-    let free = "[[free]]\nquantity = \"racket.tracker.z\"\ninitial_mm = 0\n";
+    let free = "[[free]]\nquantity = \"racket.tracker.z\"\ninitial = 0\n";
     let mut scene = scene_with(Game::Racket, free);
     scene.tracks[TrackIndex(1)]
         .link_from_tracker

@@ -101,28 +101,28 @@
 //! # Free quantities
 //!
 //! `[[free]]` hands a `quantity` to the estimation. `initial` is where it begins, `lower` and `upper`
-//! bound it, and a `prior_sd` draws it to where it begins. The unit is a suffix of these keys:
-//! `lower_mm`. Values that correct the scene are 0 where it is right, factors are 1.
+//! bound it, and a `prior_sd` draws it to where it begins, all in the unit of the
+//! quantity. Values that correct the scene are 0 where it is right, factors are 1.
 //!
-//! | quantity | what it is | suffix | initial | bounds |
+//! | quantity | what it is | unit | initial | bounds |
 //! |---|---|---|---|---|
-//! | `gravity.x`, `gravity.y`, `gravity.z` | gravity | `_m_s2` | the scene's | −∞, +∞ |
+//! | `gravity.x`, `gravity.y`, `gravity.z` | gravity | m/s² | the scene's | −∞, +∞ |
 //! | `<body>.restitution`, `<event>.restitution` | coefficient of restitution | none | the scene's | 0, 1 |
 //! | `<body>.friction`, `<event>.friction` | coefficient of friction | none | the scene's | 0, +∞ |
-//! | `<event>.tilt.0`, `<event>.tilt.1` | tilt of the normal that one impact sees | `_deg` | 0 | −∞, +∞ |
-//! | `<body>.force.x`, `<body>.force.y`, `<body>.force.z` | constant force per mass, world axes | `_m_s2` | `force_m_s2` | −∞, +∞ |
-//! | `<body>.drag.linear` | drag that grows with speed, per mass | `_per_s` | `drag_linear_per_s` | 0, +∞ |
-//! | `<body>.drag.quadratic` | drag that grows with speed squared, per mass | `_per_m` | `drag_quadratic_per_m` | 0, +∞ |
+//! | `<event>.tilt.0`, `<event>.tilt.1` | tilt of the normal that one impact sees | ° | 0 | −∞, +∞ |
+//! | `<body>.force.x`, `<body>.force.y`, `<body>.force.z` | constant force per mass, world axes | m/s² | `force_m_s2` | −∞, +∞ |
+//! | `<body>.drag.linear` | drag that grows with speed, per mass | 1/s | `drag_linear_per_s` | 0, +∞ |
+//! | `<body>.drag.quadratic` | drag that grows with speed squared, per mass | 1/m | `drag_quadratic_per_m` | 0, +∞ |
 //! | `<body>.moment.x`, `<body>.moment.y`, `<body>.moment.z` | factor of a moment of inertia at fixed mass; equal ones have the first one's name | none | 1 | 0.01, +∞ |
 //! | `<body>.mass` | factor of the mass, and of the moments with it | none | 1 | 0.01, +∞ |
-//! | `<body>.centre.x`, `<body>.centre.y`, `<body>.centre.z` | centre of mass, from the origin of the body's shape | `_mm` | 0 | −∞, +∞ |
-//! | `<body>.tracker.x`, `<body>.tracker.y`, `<body>.tracker.z` | what to add to the tracker's position, body axes | `_mm` | 0 | −∞, +∞ |
-//! | `<body>.tracker.turn.x`, `<body>.tracker.turn.y`, `<body>.tracker.turn.z` | rotation of the tracker on the body, tracker axes | `_deg` | 0 | −∞, +∞ |
-//! | `<body>.clock.rate` | by how much the tracker's clock is slow: time is 1 + rate times what stamps say | `_percent` | 0 | −99, +∞ |
-//! | `<body>.clock.offset` | what to add to the tracker's stamps | `_ms` | 0 | −∞, +∞ |
-//! | `<event>.contact_duration` | how long the contact of a collision lasts, where stamps are physical times | `_ms` | 0 | 0, +∞ |
-//! | `<surface>.height` | how much higher the surface is, along its normal | `_mm` | 0 | −∞, +∞ |
-//! | `<surface>.tilt.0`, `<surface>.tilt.1` | rotation of the surface about its point | `_deg` | 0 | −∞, +∞ |
+//! | `<body>.centre.x`, `<body>.centre.y`, `<body>.centre.z` | centre of mass, from the origin of the body's shape | mm | 0 | −∞, +∞ |
+//! | `<body>.tracker.x`, `<body>.tracker.y`, `<body>.tracker.z` | what to add to the tracker's position, body axes | mm | 0 | −∞, +∞ |
+//! | `<body>.tracker.turn.x`, `<body>.tracker.turn.y`, `<body>.tracker.turn.z` | rotation of the tracker on the body, tracker axes | ° | 0 | −∞, +∞ |
+//! | `<body>.clock.rate` | by how much the tracker's clock is slow: time is 1 + rate times what stamps say | % | 0 | −99, +∞ |
+//! | `<body>.clock.offset` | what to add to the tracker's stamps | ms | 0 | −∞, +∞ |
+//! | `<event>.contact_duration` | how long the contact of a collision lasts, where stamps are physical times | ms | 0 | 0, +∞ |
+//! | `<surface>.height` | how much higher the surface is, along its normal | mm | 0 | −∞, +∞ |
+//! | `<surface>.tilt.0`, `<surface>.tilt.1` | rotation of the surface about its point | ° | 0 | −∞, +∞ |
 //!
 //! `quantity = "<event>.tilt"` or `"<surface>.tilt"` with `cone_deg` frees both tilts within a circle.
 //!

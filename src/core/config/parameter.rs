@@ -86,9 +86,14 @@ fn parameter(free: &RawFree, scene: &Scene) -> Result<FreeParameter, Fault> {
     let quantity = named(name, free.quantity.span(), scene)?;
     let unit = Unit::of(quantity);
     let widest = quantity.limits();
-    let [initial, lower, upper, prior_sd] =
-        ["initial", "lower", "upper", "prior_sd"].map(|key| unit.number(free, key));
-    let (initial, lower, upper, prior_sd) = (initial?, lower?, upper?, prior_sd?);
+    let RawFree {
+        initial,
+        lower,
+        upper,
+        prior_sd,
+        ..
+    } = free;
+    let [lower, upper] = [lower, upper].map(Option::as_ref);
     let si = |number: &Number| *number.get_ref() * unit.si;
     let parameter = FreeParameter {
         name: name.clone(),
@@ -108,7 +113,7 @@ fn parameter(free: &RawFree, scene: &Scene) -> Result<FreeParameter, Fault> {
         Some(number) => number.span(),
         None => free.quantity.span(),
     };
-    let places = [place(lower), place(upper), place(initial)];
+    let places = [place(lower), place(upper), place(initial.as_ref())];
     check_bounds(&parameter, unit, widest, places)?;
     Ok(parameter)
 }
@@ -126,7 +131,7 @@ fn check_bounds(
         upper,
         ..
     } = parameter;
-    let shown = |si: &f64| si / unit.si;
+    let shown = |si: &f64| format!("{}{}", si / unit.si, unit.name);
     // Written so that NaN fails each check.
     if !(*lower >= widest[0] && *lower < f64::INFINITY) {
         return fault(

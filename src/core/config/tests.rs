@@ -71,17 +71,17 @@ orientation_wxyz = [1, 0, 0, 0]
 
 [[free]]
 quantity = "gravity.z"
-lower_m_s2 = -12.0
-upper_m_s2 = -7.0
-prior_sd_m_s2 = 0.1
+lower = -12.0
+upper = -7.0
+prior_sd = 0.1
 
 [[free]]
 quantity = "bounce.restitution"
 
 [[free]]
 quantity = "bounce.tilt.1"
-lower_deg = -6
-upper_deg = 6
+lower = -6
+upper = 6
 "#;
 
 fn error_of(text: &str) -> SceneError {
@@ -394,7 +394,7 @@ fn counts_become_collisions_by_the_marks() {
     let counted = PENCIL
         .replace("restitution = 0.6", "restitution = 0.6\ncount = [2, 4]")
         .replace(
-            "[[free]]\nquantity = \"bounce.tilt.1\"\nlower_deg = -6\nupper_deg = 6\n",
+            "[[free]]\nquantity = \"bounce.tilt.1\"\nlower = -6\nupper = 6\n",
             "",
         );
     let scene = scene_from_toml(&counted).unwrap();

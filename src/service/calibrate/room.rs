@@ -391,16 +391,14 @@ pub(super) fn clock(input: &Path, choice: &CalibrateChoice) -> anyhow::Result<Fo
         let drifts = Measured::covers(&fit.rate, &[0.0]) != [true];
         found.scene.free.push(FreeValue {
             quantity: format!("{track}.clock.offset"),
-            initial_ms: Some(rounded(offset_ms.value[0])),
-            prior_sd_ms: Some(rounded(offset_ms.sd[0]).max(1e-6)),
-            ..FreeValue::default()
+            initial: rounded(offset_ms.value[0]),
+            prior_sd: rounded(offset_ms.sd[0]).max(1e-6),
         });
         if drifts {
             found.scene.free.push(FreeValue {
                 quantity: format!("{track}.clock.rate"),
-                initial_percent: Some((fit.rate.value[0] * 1e11).round() / 1e9),
-                prior_sd_percent: Some((fit.rate.sd[0] * 1e2).max(1e-9)),
-                ..FreeValue::default()
+                initial: (fit.rate.value[0] * 1e11).round() / 1e9,
+                prior_sd: (fit.rate.sd[0] * 1e2).max(1e-9),
             });
         }
     }

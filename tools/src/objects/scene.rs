@@ -67,7 +67,7 @@ pub fn impact(solid: &Solid, trust: &Trust, table_m: f64) -> Result<Scene> {
         "{}[[surface]]\nname = \"table\"\npoint_mm = [0, 0, {:?}]\nnormal = [0, 0, 1]\n\
          [[event]]\nname = \"{IMPACT}\"\nkind = \"collision\"\nbody = \"thing\"\nsurface = \"table\"\n\
          restitution = 0.3\nfriction = 0.3\n{}\
-         {FREE_LAW_TOML}[[free]]\nquantity = \"table.height\"\nprior_sd_mm = {:?}\n",
+         {FREE_LAW_TOML}[[free]]\nquantity = \"table.height\"\nprior_sd = {:?}\n",
         head(solid, trust),
         table_m * 1e3,
         end_toml(END),

@@ -165,23 +165,15 @@ pub struct SurfaceValue {
 }
 
 /// A `[[free]]` quantity of a clock, whose prior is the interval.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct FreeValue {
     /// Its name.
     pub quantity: String,
-    /// `initial_ms`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub initial_ms: Option<f64>,
-    /// `prior_sd_ms`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub prior_sd_ms: Option<f64>,
-    /// `initial_percent`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub initial_percent: Option<f64>,
-    /// `prior_sd_percent`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub prior_sd_percent: Option<f64>,
+    /// `initial`: of an offset in milliseconds, of a rate in percent.
+    pub initial: f64,
+    /// `prior_sd`, in the same unit.
+    pub prior_sd: f64,
 }
 
 impl Calibration {

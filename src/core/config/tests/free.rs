@@ -3,6 +3,7 @@
 use super::refusals::refused;
 use super::{PENCIL, error_of};
 use crate::config::scene_from_toml;
+use crate::config::unit::Unit;
 use crate::motion::{FreeParameter, LinkIndex, Quantity, Scene, TrackIndex};
 
 const LINK: LinkIndex = LinkIndex(0);
@@ -44,74 +45,64 @@ const MEETING: &str = "[[event]]\nname = \"hit\"\nkind = \"collision\"\nbody = \
 fn every_quantity_has_a_name_a_unit_and_limits() {
     let (link, track) = (LINK, TRACK);
     let free = f64::INFINITY;
-    for (name, quantity, suffix, si, [lower, upper]) in [
+    for (name, quantity, si, [lower, upper]) in [
         (
             "pencil.force.x",
             Quantity::Force { link, axis: 0 },
-            "_m_s2",
             1.0,
             [-free, free],
         ),
         (
             "pencil.drag.linear",
             Quantity::LinearDrag { link },
-            "_per_s",
             1.0,
             [0.0, free],
         ),
         (
             "pencil.drag.quadratic",
             Quantity::QuadraticDrag { link },
-            "_per_m",
             1.0,
             [0.0, free],
         ),
         (
             "pencil.moment.x",
             Quantity::Moment { link, axis: 0 },
-            "",
             1.0,
             [0.01, free],
         ),
         (
             "pencil.moment.z",
             Quantity::Moment { link, axis: 2 },
-            "",
             1.0,
             [0.01, free],
         ),
         (
             "pencil.centre.y",
             Quantity::Centre { link, axis: 1 },
-            "_mm",
             1e-3,
             [-free, free],
         ),
         (
             "pencil.tracker.x",
             Quantity::TrackerPosition { track, axis: 0 },
-            "_mm",
             1e-3,
             [-free, free],
         ),
         (
             "pencil.tracker.turn.z",
             Quantity::TrackerOrientation { track, axis: 2 },
-            "_deg",
             1f64.to_radians(),
             [-free, free],
         ),
         (
             "pencil.clock.rate",
             Quantity::ClockRate { track },
-            "_percent",
             0.01,
             [-0.99, free],
         ),
         (
             "table.height",
             Quantity::SurfaceHeight { surface: 0 },
-            "_mm",
             1e-3,
             [-free, free],
         ),
@@ -121,7 +112,6 @@ fn every_quantity_has_a_name_a_unit_and_limits() {
                 surface: 0,
                 tangent: 1,
             },
-            "_deg",
             1f64.to_radians(),
             [-free, free],
         ),
@@ -138,19 +128,12 @@ fn every_quantity_has_a_name_a_unit_and_limits() {
         };
         assert_eq!(scene.parameters, [expected], "{name}");
         assert_eq!(scene.name_of_quantity(quantity), name);
-        let all = format!(
-            "{name:?}\ninitial{suffix} = 1.5\nlower{suffix} = 0.25\nupper{suffix} = 4\nprior_sd{suffix} = 2"
-        );
+        let all = format!("{name:?}\ninitial = 1.5\nlower = 0.25\nupper = 4\nprior_sd = 2");
         let free = &freeing(&all).parameters[0];
         let found = [free.initial, free.lower, free.upper, free.prior_sd.unwrap()];
         for (found, expected) in found.into_iter().zip([1.5, 0.25, 4.0, 2.0]) {
             assert!((found - expected * si).abs() < 1e-15, "{name} {found}");
         }
-        // A key in another unit is answered with the right one.
-        let wrong = if suffix == "_mm" { "_deg" } else { "_mm" };
-        let message = refusal("", "", &[&format!("{name:?}\nlower{wrong} = 1")]);
-        let right = format!("lower{wrong} does not apply to {name}, expected lower{suffix}");
-        assert_eq!(message, right);
     }
 }
 
@@ -158,7 +141,7 @@ fn every_quantity_has_a_name_a_unit_and_limits() {
 fn offsets_and_masses_need_another() {
     let bodies = |quantities: &str| text(BALL, MEETING, quantities);
     let scene = scene_from_toml(&bodies(
-        "[[free]]\nquantity = \"ball.mass\"\n[[free]]\nquantity = \"ball.clock.offset\"\nlower_ms = -5\n",
+        "[[free]]\nquantity = \"ball.mass\"\n[[free]]\nquantity = \"ball.clock.offset\"\nlower = -5\n",
     ))
     .unwrap();
     let quantities: Vec<Quantity> = scene.parameters.iter().map(|p| p.quantity).collect();
@@ -339,7 +322,7 @@ fn moments_begin_as_those_of_a_body() {
     );
 }
 
-/// The rows of the table of free quantities: names and suffix.
+/// The rows of the table of free quantities: names and unit.
 fn documented() -> Vec<(Vec<&'static str>, &'static str)> {
     let docs = include_str!("../mod.rs");
     let table = docs.split("| quantity | what it is |").nth(1).unwrap();
@@ -350,8 +333,7 @@ fn documented() -> Vec<(Vec<&'static str>, &'static str)> {
     let row = |line: &'static str| {
         let cells: Vec<&str> = line.split('|').collect();
         let names = cells[1].split('`').skip(1).step_by(2).collect();
-        let suffix = cells[3].trim().trim_matches('`');
-        (names, if suffix == "none" { "" } else { suffix })
+        (names, cells[3].trim())
     };
     rows.map(row).collect()
 }
@@ -363,14 +345,14 @@ fn documented_quantities_are_those_that_there_are() {
     let hit = "[[event]]\nname = \"fall\"\nkind = \"collision\"\nbody = \"brick\"\n\
                feature = \"corner -x -y -z\"\nsurface = \"table\"\n";
     let mut named = Vec::new();
-    for (names, suffix) in documented() {
+    for (names, unit) in documented() {
         for name in names {
             let name = name
                 .replace("<event>", "bounce")
                 .replace("<surface>", "table");
             let name = name.replace("<body>", "brick");
             let free = format!(
-                "[[free]]\nquantity = {name:?}\ninitial{suffix} = 0.9\nlower{suffix} = 0.25\nupper{suffix} = 1\n"
+                "[[free]]\nquantity = {name:?}\ninitial = 0.9\nlower = 0.25\nupper = 1\n"
             );
             let meets = format!(
                 "{hit}{}",
@@ -381,6 +363,8 @@ fn documented_quantities_are_those_that_there_are() {
             let scene = scene_from_toml(&text(brick, &meets, &free));
             let scene = scene.unwrap_or_else(|error| panic!("{name}: {error}"));
             assert_eq!(scene.parameters[0].name, name);
+            let of = Unit::of(scene.parameters[0].quantity).name.trim();
+            assert_eq!(if of.is_empty() { "none" } else { of }, unit, "{name}");
             named.push(name);
         }
     }

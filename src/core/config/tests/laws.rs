@@ -73,7 +73,7 @@ fn repeated_collisions_have_one_law_between_them() {
     let counted = PENCIL
         .replace("restitution = 0.6", "restitution = 0.6\ncount = [2, 4]")
         .replace(
-            "bounce.tilt.1\"\nlower_deg = -6\nupper_deg = 6",
+            "bounce.tilt.1\"\nlower = -6\nupper = 6",
             "gravity.x\"",
         );
     let scene = scene_from_toml(&counted).unwrap().with_marks(6);
