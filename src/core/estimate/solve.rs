@@ -28,10 +28,13 @@ use crate::motion::{
     StepLimited, VelocityGaps, Verdict,
 };
 use crate::optimise::{Program, Work};
+use crate::physics::body::Symmetry;
 
 /// Greatest number of looks at a sample in a stage of a solve, and least number of steps that it may take all the same.
 const LOOKS: usize = 1_000_000;
 const LEAST_STEPS: usize = 200;
+/// How many looks one is worth where three moments differ: rotations have no closed form.
+const STEPPED: usize = 4;
 
 /// An estimate with the solution from which its deviations are computed.
 #[derive(Clone, Debug)]
@@ -271,8 +274,11 @@ impl Posed {
 
     /// The observer of a stage: its work is limited, since far from any motion a solve may go on for minutes.
     fn bounded<'o>(&self, observer: &'o mut dyn Observer) -> StepLimited<'o> {
-        let samples = self.problem.views().map(|(_, view)| view.samples.len());
-        let steps = LOOKS / samples.sum::<usize>().max(1);
+        let looks = self.problem.views().map(|(arc, view)| {
+            let is_stepped = self.problem.body_of(arc).symmetry() == Symmetry::Asymmetric;
+            view.samples.len() * if is_stepped { STEPPED } else { 1 }
+        });
+        let steps = LOOKS / looks.sum::<usize>().max(1);
         StepLimited {
             observer,
             left: steps.max(LEAST_STEPS),

@@ -12,7 +12,7 @@ use crate::math::so3;
 use crate::motion::Observer;
 use crate::physics::Body;
 use crate::physics::body::Symmetry;
-use crate::physics::flow;
+use crate::physics::flow::{self, Spin};
 use crate::physics::observe::TurnTerms;
 
 /// Number of samples on which the starts are compared; the last fit uses all.
@@ -244,12 +244,8 @@ fn start(body: &Body, readings: &[OrientationReading]) -> TurnFit {
 
 fn evaluate(body: &Body, readings: &[OrientationReading], fit: &TurnFit) -> Quadratic {
     let readings = readings.iter().map(|(s, measured)| (*s, measured));
-    Quadratic::of(&TurnTerms::of(
-        body,
-        &fit.orientation,
-        &fit.angular_velocity_rad_s,
-        readings,
-    ))
+    let mut spin = Spin::new(body, &fit.angular_velocity_rad_s);
+    Quadratic::of(&TurnTerms::of(&mut spin, &fit.orientation, readings))
 }
 
 pub(super) fn descend(body: &Body, readings: &[OrientationReading], from: TurnFit) -> TurnFit {

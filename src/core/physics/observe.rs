@@ -15,7 +15,6 @@ pub mod lanes;
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::Body;
 use super::flow::Spin;
 use crate::math::so3;
 
@@ -39,20 +38,18 @@ pub struct TurnTerms {
 
 impl TurnTerms {
     /// Terms of measured orientations, each with its time from the epoch \[s\], at which the body
-    /// has `orientation` and `ω` [rad/s, body]; all with weight one.
+    /// has `orientation` and the spin begins; all with weight one.
     pub fn of<'m>(
-        body: &Body,
+        spin: &mut Spin,
         orientation: &UnitQuaternion<f64>,
-        angular_velocity_rad_s: &Vector3<f64>,
         readings: impl Iterator<Item = (f64, &'m UnitQuaternion<f64>)>,
     ) -> Self {
-        let mut spin = Spin::new(body, angular_velocity_rad_s);
         if let Some(precession) = spin.precession() {
             return lanes::terms(precession, orientation, readings);
         }
         let mut terms = Self::default();
         for (s, measured) in readings {
-            terms.add(&mut spin, orientation, measured, s, 1.0);
+            terms.add(spin, orientation, measured, s, 1.0);
         }
         terms
     }
@@ -98,6 +95,7 @@ impl TurnTerms {
 mod tests {
     use super::*;
     use crate::math::differentiate;
+    use crate::physics::Body;
 
     /// Pencils along every axis, a ball; still, turning about the axis, across it, fast.
     #[test]
@@ -132,7 +130,8 @@ mod tests {
                     one_by_one.add(&mut spin, &orientation, measured, *s, 1.0);
                 }
                 let pairs = readings.iter().map(|(s, measured)| (*s, measured));
-                let at_once = TurnTerms::of(&body, &orientation, &omega, pairs);
+                let mut spin = Spin::new(&body, &omega);
+                let at_once = TurnTerms::of(&mut spin, &orientation, pairs);
                 let numbers = |terms: &TurnTerms| {
                     let mut all = vec![terms.cost, terms.count];
                     all.extend(terms.gradient_orientation.iter());

@@ -189,7 +189,7 @@ fn arrivals<'a>(
     let time_s = point.event_times_s[collision.event];
     move |arc| {
         let body = problem.body_of(arc);
-        ArcEnd::new(body, &gravity, &point.arcs[arc], epochs_s[arc], time_s)
+        ArcEnd::new(body, &gravity, point, arc, [epochs_s[arc], time_s])
     }
 }
 

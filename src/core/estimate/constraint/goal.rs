@@ -70,9 +70,9 @@ impl Constraint for ArcGoal {
         let arrival = ArcEnd::new(
             body,
             &gravity,
-            &at.point.arcs[self.arc],
-            at.epochs_s[self.arc],
-            time_s,
+            at.point,
+            self.arc,
+            [at.epochs_s[self.arc], time_s],
         );
         block.reset(pattern);
         // Columns after the state: time, then gravity.

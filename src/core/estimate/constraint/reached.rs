@@ -32,10 +32,10 @@ impl<'a> Reached<'a> {
         time_s: f64,
     ) -> Option<Self> {
         let (problem, point) = (at.problem, at.point);
-        let (state, epoch_s) = (&point.arcs[arc], at.epochs_s[arc]);
+        let epoch_s = at.epochs_s[arc];
         let (end, body) = if problem.arcs[arc].is_plain {
             let body = problem.body_of(arc);
-            let end = ArcEnd::new(body, gravity_m_s2, state, epoch_s, time_s);
+            let end = ArcEnd::new(body, gravity_m_s2, point, arc, [epoch_s, time_s]);
             (ReachedEnd::Plain(Box::new(end)), *body)
         } else {
             let bodies = problem.bodies_at(&point.parameters)?;

@@ -65,10 +65,11 @@ pub fn add(
             flight.add_turn(&mut sum);
         }
         if problem.times_are_unknown() {
-            let mut turns = arc_end::turns(body, &point.arcs[index]);
+            let mut turns = arc_end::turns(body, point, index);
             for sample in &view.samples {
                 flight.add_time(sample, &mut turns, &mut sum);
             }
+            point.kept.keep(turns.into_steps());
         }
     }
     if problem.times_are_unknown() {
@@ -140,13 +141,11 @@ impl FlightTerms<'_> {
         let epoch_s = self.context.epochs_s[self.arc];
         let readings = self.view.samples.iter();
         let readings = readings.map(|s| (self.time_s(s) - epoch_s, &s.orientation));
-        TurnTerms::of(
-            self.body,
-            &state.orientation,
-            &state.angular_velocity_rad_s,
-            readings,
-        )
-        .weighed(self.turn_weight())
+        let kept = &self.point.kept;
+        let mut spin = kept.spin(self.body, &state.angular_velocity_rad_s);
+        let terms = TurnTerms::of(&mut spin, &state.orientation, readings);
+        kept.keep(spin.into_steps());
+        terms.weighed(self.turn_weight())
     }
 
     fn turn_gradient(&self, state: &State) -> SVector<f64, 6> {

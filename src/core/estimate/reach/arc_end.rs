@@ -12,6 +12,7 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
+use crate::estimate::unknowns::point::Point;
 use crate::physics::flow::Turns;
 use crate::physics::state::{StateTangent, part};
 use crate::physics::{Body, State, flow};
@@ -69,25 +70,30 @@ impl<const R: usize> ByState<R> {
     }
 }
 
-/// The turns of a state, for [`ArcEnd::after`].
-pub(in crate::estimate) fn turns<'b>(body: &'b Body, state: &State) -> Turns<'b> {
-    Turns::new(body, &state.orientation, &state.angular_velocity_rad_s)
+/// The turns of an arc, for [`ArcEnd::after`]: their steps are to be kept.
+pub(in crate::estimate) fn turns<'b>(body: &'b Body, point: &Point, arc: usize) -> Turns<'b> {
+    let State {
+        orientation,
+        angular_velocity_rad_s,
+        ..
+    } = &point.arcs[arc];
+    let steps = point.kept.take(body, angular_velocity_rad_s);
+    Turns::with_steps(body, orientation, angular_velocity_rad_s, steps)
 }
 
 impl ArcEnd {
     pub(in crate::estimate) fn new(
         body: &Body,
         gravity_m_s2: &Vector3<f64>,
-        state: &State,
-        epoch_s: f64,
-        time_s: f64,
+        point: &Point,
+        arc: usize,
+        [epoch_s, time_s]: [f64; 2],
     ) -> Self {
-        Self::after(
-            &mut turns(body, state),
-            gravity_m_s2,
-            state,
-            time_s - epoch_s,
-        )
+        let mut turns = turns(body, point, arc);
+        let duration_s = time_s - epoch_s;
+        let end = Self::after(&mut turns, gravity_m_s2, &point.arcs[arc], duration_s);
+        point.kept.keep(turns.into_steps());
+        end
     }
 
     /// After a duration, by the turns of the same state.

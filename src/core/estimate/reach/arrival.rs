@@ -32,7 +32,7 @@ impl GeneralArrival {
         let body = &bodies[problem.arcs[arc].mechanism];
         let gravity_m_s2 = problem.gravity(&point.parameters);
         let state: &State = &point.arcs[arc];
-        let end = ArcEnd::new(body, &gravity_m_s2, state, epoch_s, time_s);
+        let end = ArcEnd::new(body, &gravity_m_s2, point, arc, [epoch_s, time_s]);
         let s = end.duration_s;
         let is_moment = |acting: &Acting| matches!(acting.influence, Influence::Moment(_));
         let has_moments = problem.arcs[arc].acting.iter().any(is_moment);

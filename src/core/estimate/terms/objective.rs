@@ -66,7 +66,10 @@ impl<'a> Objective<'a> {
                 let times_s = &self.point.node_times_s;
                 let stride = (view.samples.len() / self.guidance.orientations_per_arc).max(1);
                 let sums = (sums, stride);
-                let terms = samples::known_times(body, view, sums, flight, &gravity, times_s);
+                let kept = &self.point.kept;
+                let mut spin = kept.spin(body, &flight.0.angular_velocity_rad_s);
+                let terms = samples::known_times(view, sums, flight, &mut spin, &gravity, times_s);
+                kept.keep(spin.into_steps());
                 self.add_arc(layout.arcs[index], &terms);
             } else if problem.is_short(index, view) {
                 self.add_short(index, view, body, &gravity);

@@ -199,10 +199,10 @@ impl ArcSums {
 /// Terms of a plain view whose sample times are known. Every `stride`-th orientation is used, with the
 /// weight of `stride`.
 pub fn known_times(
-    body: &Body,
     view: &View,
     (sums, stride): (&ArcSums, usize),
     (state, epoch_s): (&State, f64),
+    spin: &mut Spin,
     gravity_m_s2: &Vector3<f64>,
     times_s: &[f64],
 ) -> ArcTerms {
@@ -214,13 +214,7 @@ pub fn known_times(
             view.samples.len() as f64 / (readings.len().max(1) as f64 * unit_rad * unit_rad);
         let readings =
             readings.map(|sample| (sample.time_s(times_s) - epoch_s, &sample.orientation));
-        terms.turn = TurnTerms::of(
-            body,
-            &state.orientation,
-            &state.angular_velocity_rad_s,
-            readings,
-        )
-        .weighed(weight);
+        terms.turn = TurnTerms::of(spin, &state.orientation, readings).weighed(weight);
     }
     if unit_m.is_finite() {
         sums.add_to(&mut terms, state, gravity_m_s2, unit_m);
@@ -235,13 +229,13 @@ pub fn unknown_times(
     body: &Body,
     (view, stride): (&View, usize),
     (state, epoch_s): (&State, f64),
+    spin: &mut Spin,
     gravity_m_s2: &Vector3<f64>,
     time_s: impl Fn(&ArcSample) -> f64,
     mut each: impl FnMut(&ArcSample, &TimeTerms),
 ) -> ArcTerms {
     let mut terms = ArcTerms::default();
     assert!(body.is_ballistic(), "derivatives of a parabola");
-    let mut spin = Spin::new(body, &state.angular_velocity_rad_s);
     let samples = view.samples.iter().skip(stride / 2).step_by(stride);
     let for_each = view.samples.len() as f64 / samples.len().max(1) as f64;
     let [weight, turn_weight] = view.units.map(|unit| for_each / (unit * unit));
@@ -249,7 +243,7 @@ pub fn unknown_times(
         let s = time_s(sample) - epoch_s;
         let (k, error) = if turn_weight > 0.0 {
             terms.turn.add(
-                &mut spin,
+                spin,
                 &state.orientation,
                 &sample.orientation,
                 s,

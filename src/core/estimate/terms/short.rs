@@ -222,8 +222,8 @@ impl Objective<'_> {
         body: &Body,
         gravity_m_s2: &Vector3<f64>,
     ) {
-        let problem = self.context.problem;
-        let (state, epoch_s) = (&self.point.arcs[index], self.context.epochs_s[index]);
+        let (problem, point) = (self.context.problem, self.point);
+        let (state, epoch_s) = (&point.arcs[index], self.context.epochs_s[index]);
         let at = self.context.layout.arcs[index];
         let stride = self.guidance.stride(view);
         let stamped = Stamped::new(problem, index, view, self.point);
@@ -233,7 +233,10 @@ impl Objective<'_> {
         let weights = &view.informations;
         if problem.has_no_lever(view) && weights.is_empty() {
             let (of, flight) = ((view, stride), (state, epoch_s));
-            let terms = samples::unknown_times(body, of, flight, gravity_m_s2, time_s, each);
+            let mut spin = point.kept.spin(body, &state.angular_velocity_rad_s);
+            let terms =
+                samples::unknown_times(body, of, flight, &mut spin, gravity_m_s2, time_s, each);
+            point.kept.keep(spin.into_steps());
             self.add_arc(at, &terms);
             by_times.end(self);
             return;

@@ -2,6 +2,7 @@
 
 use nalgebra::DVector;
 
+use super::kept::KeptSteps;
 use super::layout::Layout;
 use crate::estimate::problem::Problem;
 use crate::motion::{ArcGuess, Guess};
@@ -21,6 +22,8 @@ pub struct Point {
     pub node_times_s: Vec<f64>,
     /// Free parameters.
     pub parameters: Vec<f64>,
+    /// Of the arcs' rotations.
+    pub kept: KeptSteps,
 }
 
 impl Point {
@@ -41,6 +44,7 @@ impl Point {
             event_times_s: guess.event_times_s.clone(),
             node_times_s,
             parameters: guess.parameters.clone(),
+            kept: KeptSteps::default(),
         };
         problem.hold(&mut point, None);
         point
@@ -91,6 +95,7 @@ impl Point {
         layout: &Layout,
         delta: &DVector<f64>,
     ) {
+        self.kept.clear();
         for (arc, (state, from)) in self.arcs.iter_mut().zip(&origin.arcs).enumerate() {
             let delta = &delta.as_slice()[layout.state(arc)];
             *state = from.retract(&StateTangent::from_column_slice(delta));

@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 use super::series::{self, Columns, Series, Variables};
 use crate::math::so3;
-use crate::physics::body::Body;
+use crate::physics::body::{Body, Symmetry};
 
 /// Longest rotation, as angle \[rad\]; since the speed is rounded down, up to twice this angle may
 /// be computed. Longer ones would take too many steps to store.
@@ -54,6 +54,8 @@ struct GridPoint {
 /// What all steps of one rotation share.
 #[derive(Clone, Debug)]
 struct FlowMotion {
+    /// `ω(0)`.
+    omega_rad_s: Vector3<f64>,
     couplings: [f64; 3],
     moments: [f64; 3],
     variables: Variables,
@@ -75,6 +77,7 @@ impl FlowMotion {
         let moments = body.moments_kg_m2().into();
         let start = variables.with_omega(&omega);
         Self {
+            omega_rad_s: *omega_rad_s,
             couplings,
             moments,
             invariant: variables.invariant(&moments, &start),
@@ -282,7 +285,9 @@ pub struct Steps {
 #[derive(Clone, Debug, Default)]
 struct OneWay {
     starts: Vec<f64>,
-    steps: Vec<FlowStep>,
+    /// Kilobytes each: apart, so that none is moved where there are more.
+    #[allow(clippy::vec_box)]
+    steps: Vec<Box<FlowStep>>,
 }
 
 impl Steps {
@@ -292,6 +297,17 @@ impl Steps {
             motion: FlowMotion::new(body, omega_rad_s),
             sides: [OneWay::default(), OneWay::default()],
         }
+    }
+
+    /// Those of a body that needs them: with three different moments.
+    pub fn needed(body: &Body, omega_rad_s: &Vector3<f64>) -> Option<Self> {
+        (body.symmetry() == Symmetry::Asymmetric).then(|| Self::new(body, omega_rad_s))
+    }
+
+    /// Whether they are those of a body with an initial angular velocity [rad/s, body].
+    pub fn are_of(&self, body: &Body, omega_rad_s: &Vector3<f64>) -> bool {
+        let moments: [f64; 3] = body.moments_kg_m2().into();
+        self.motion.omega_rad_s == *omega_rad_s && self.motion.moments == moments
     }
 
     /// See [`super::Spin::turn_and_derivative`].
@@ -365,6 +381,6 @@ impl OneWay {
             None => motion.start.clone(),
         };
         self.starts.push(self.end());
-        self.steps.push(FlowStep::new(motion, node));
+        self.steps.push(Box::new(FlowStep::new(motion, node)));
     }
 }

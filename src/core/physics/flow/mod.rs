@@ -32,8 +32,8 @@ mod tests;
 mod turn;
 mod turned;
 
-pub use asymmetric::ANGLE_MAX_RAD;
 pub use asymmetric::moments::{SpinByMoments, TurnByMoments, turn_by_moments};
+pub use asymmetric::{ANGLE_MAX_RAD, Steps};
 pub(super) use axial::Precession;
 pub use fall::{Fall, Fallen};
 pub use flight::{advance, position, rate, velocity};

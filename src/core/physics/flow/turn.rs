@@ -6,7 +6,7 @@ use super::asymmetric::Steps;
 use super::axial::{Precession, Turning};
 use super::turned::Turn;
 use crate::math::so3;
-use crate::physics::body::{Body, Symmetry};
+use crate::physics::body::Body;
 
 /// Free rotation for `duration_s`, with derivatives; NaN where [`super::advance`] gives NaN.
 pub fn turn(
@@ -34,13 +34,28 @@ impl<'b> Turns<'b> {
         orientation: &UnitQuaternion<f64>,
         angular_velocity_rad_s: &Vector3<f64>,
     ) -> Self {
-        let has_steps = body.symmetry() == Symmetry::Asymmetric;
+        let steps = Steps::needed(body, angular_velocity_rad_s);
+        Self::with_steps(body, orientation, angular_velocity_rad_s, steps)
+    }
+
+    /// The same by steps that are there: none where two or three moments are equal.
+    pub fn with_steps(
+        body: &'b Body,
+        orientation: &UnitQuaternion<f64>,
+        angular_velocity_rad_s: &Vector3<f64>,
+        steps: Option<Steps>,
+    ) -> Self {
         Self {
             body,
             orientation: *orientation,
             angular_velocity_rad_s: *angular_velocity_rad_s,
-            steps: has_steps.then(|| Steps::new(body, angular_velocity_rad_s)),
+            steps,
         }
+    }
+
+    /// The steps, for further use.
+    pub fn into_steps(self) -> Option<Steps> {
+        self.steps
     }
 
     /// What turns.
@@ -79,12 +94,28 @@ enum TurnCase {
 impl Spin {
     /// The rotation with the initial angular velocity `ω` [rad/s, body].
     pub fn new(body: &Body, angular_velocity_rad_s: &Vector3<f64>) -> Self {
-        Self(match body.symmetry() {
-            Symmetry::Asymmetric => {
-                TurnCase::Steps(Box::new(Steps::new(body, angular_velocity_rad_s)))
-            }
-            _ => TurnCase::Precession(Precession::new(body, angular_velocity_rad_s)),
+        let steps = Steps::needed(body, angular_velocity_rad_s);
+        Self::with_steps(body, angular_velocity_rad_s, steps)
+    }
+
+    /// The same by steps that are there: none where two or three moments are equal.
+    pub fn with_steps(
+        body: &Body,
+        angular_velocity_rad_s: &Vector3<f64>,
+        steps: Option<Steps>,
+    ) -> Self {
+        Self(match steps {
+            Some(steps) => TurnCase::Steps(Box::new(steps)),
+            None => TurnCase::Precession(Precession::new(body, angular_velocity_rad_s)),
         })
+    }
+
+    /// The steps, for further use.
+    pub fn into_steps(self) -> Option<Steps> {
+        match self.0 {
+            TurnCase::Precession(_) => None,
+            TurnCase::Steps(steps) => Some(*steps),
+        }
     }
 
     /// The closed form, where two or three moments are equal.

@@ -9,6 +9,7 @@ use enact::estimate::problem::ArcSample;
 use enact::estimate::terms::samples::{self, TimeTerms};
 use enact::estimate::unknowns::point::Point;
 use enact::motion::Phase;
+use enact::physics::flow::Spin;
 use serde::Serialize;
 
 use super::bouncing;
@@ -166,7 +167,9 @@ fn floor_s(case: &Case, quick: bool) -> f64 {
             let each = |sample: &ArcSample, terms: &TimeTerms| {
                 black_box((sample, terms));
             };
-            let terms = samples::unknown_times(body, (view, 1), flight, &gravity, time_s, each);
+            let spin = &mut Spin::new(body, &flight.0.angular_velocity_rad_s);
+            let terms =
+                samples::unknown_times(body, (view, 1), flight, spin, &gravity, time_s, each);
             black_box(&terms);
         }
     };

@@ -10,6 +10,7 @@ use enact::estimate::covariance::{Covariance, Moment};
 use enact::estimate::problem::Problem;
 use enact::estimate::schedule::recipe::{self, Recipe};
 use enact::estimate::terms::context::SolveContext;
+use enact::estimate::unknowns::kept::KeptSteps;
 use enact::estimate::unknowns::layout::Layout;
 use enact::estimate::unknowns::point::Point;
 use enact::math::{Pose, so3};
@@ -120,6 +121,7 @@ pub fn deviations(outcome: &Outcome, stamps: &[Stamp]) -> Option<Deviations> {
         event_times_s: estimate.events.iter().map(|event| event.time_s).collect(),
         node_times_s: problem.nodes_acted_s.clone(),
         parameters: values(outcome),
+        kept: KeptSteps::default(),
     };
     let epochs_s: Vec<f64> = estimate.arcs.iter().map(|arc| arc.epoch_s).collect();
     let recipe = Recipe::default().from_the_last();
