@@ -1,6 +1,6 @@
 //! A motion whose samples were weighed one by one, as if they erred in time: with the errors that its residuals make likely.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::linearised::{LinearisedSolution, free_count, free_directions};
 use crate::estimate::problem::Problem;
@@ -11,6 +11,7 @@ use crate::estimate::terms::woven;
 use crate::estimate::unknowns::layout::Layout;
 use crate::estimate::unknowns::point::Point;
 use crate::estimate::wander::Process;
+use crate::estimate::wander::kink::led_off_s;
 use crate::estimate::wander::likelihood::{APART_S, LikelyErrors, NoiseAlone, Restricted};
 use crate::estimate::wander::spread::spread;
 use crate::optimise::Program;
@@ -52,11 +53,13 @@ impl Strayed {
 pub struct InTime {
     problem: Problem,
     layout: Layout,
+    /// Where a hand may have strayed, with the samples near kinks too: the motion was found by them.
+    near_kinks: Option<Problem>,
     /// Who may have strayed.
     pub(in crate::estimate) strayed: Strayed,
     /// The likeliest errors, with a wander.
     pub(in crate::estimate) wandering: LikelyErrors,
-    /// The errors that samples have: noise alone where it explains them, and where nobody strayed.
+    /// The errors that samples have: noise alone where it explains them.
     errors: [Process; 2],
 }
 
@@ -77,6 +80,7 @@ impl InTime {
         Self {
             layout: Layout::new(&problem),
             problem,
+            near_kinks: None,
             strayed,
             wandering: expected,
             errors: [Process::EXPECTED; 2],
@@ -98,13 +102,22 @@ impl InTime {
         }
         let wandering = restricted.likeliest(&LikelyErrors::EXPECTED)?;
         let alone = NoiseAlone::of(&restricted, &wandering)?;
-        let errors = match strayed == Strayed::NoHand || alone.explains() {
+        let is_noise = alone.explains();
+        let errors = match is_noise {
             true => alone.fitted.processes,
             false => wandering.processes,
         };
+        let near_kinks = (strayed.may_be_hand() && !is_noise).then(|| {
+            let (point, epochs_s) = (&solution.point, &context.epochs_s);
+            let errors = LikelyErrors::EXPECTED;
+            context
+                .problem
+                .woven(&errors, Kinks::Sharp, point, epochs_s)
+        });
         Some(Self {
             wandering: told.lacking(wandering.likely()),
             errors: told.lacking(LikelyErrors::of(errors)).processes,
+            near_kinks,
             ..expected
         })
     }
@@ -114,8 +127,8 @@ impl InTime {
         self.errors.map(|of| of.noise_sd)
     }
 
-    /// What the errors of samples make of answers of the unknowns to them, a column each: `Yᵀ V Y` with `Y = J X`. `None` where
-    /// the parameters make no body.
+    /// What the errors of samples make of answers of the unknowns to them, a column each: `Yᵀ V Y` with `Y = J X`, and where a hand
+    /// may have rounded kinks, as far as that leads them off together. `None` where the parameters make no body.
     pub(in crate::estimate) fn spread(
         &self,
         context: &SolveContext,
@@ -123,10 +136,31 @@ impl InTime {
         answers: &DMatrix<f64>,
     ) -> Option<DMatrix<f64>> {
         let epochs_s = context.epochs_s.clone();
-        let own = SolveContext::new(&self.problem, &self.layout, epochs_s, point);
-        let (series, rows) = woven::rows(&own, point, self.weave(), answers, 0.0)?;
+        let problem = self.near_kinks.as_ref().unwrap_or(&self.problem);
+        let weave = problem.weave.as_ref().expect("it is woven");
+        let own = SolveContext::new(problem, &self.layout, epochs_s, point);
+        let (series, rows) = woven::rows(&own, point, weave, answers, 0.0)?;
         let changes = rows.columns(0, answers.ncols()).into_owned();
-        Some(spread(&series, &changes, &self.errors))
+        let mut all = spread(&series, &changes, &self.errors);
+        // In an unknown tempo nobody knows when a hand rounds.
+        if self.near_kinks.is_some() && !problem.times_are_unknown() {
+            for hand in &weave.hands {
+                let is_own = |arc| hand.arcs.iter().any(|of| of.arc == arc);
+                let series = || series.iter().filter(|of| of.track == hand.track);
+                for kink in problem.kinks(is_own, point, &own.epochs_s) {
+                    let mut led_off = DVector::zeros(answers.ncols());
+                    for of in series() {
+                        for (taken, row) in of.taken.iter().zip(&of.rows) {
+                            let by = led_off_s(taken.time_s - kink.time_s) / of.unit;
+                            let rows = changes.rows(*row, 3);
+                            led_off += rows.tr_mul(&kink.jumps[of.kind]) * by;
+                        }
+                    }
+                    all += &led_off * led_off.transpose();
+                }
+            }
+        }
+        Some(all)
     }
 
     /// Which samples err together.

@@ -222,10 +222,10 @@ impl Problem {
             count => (last.acted_s - first.acted_s) / (count - 1) as f64,
         };
         let rounding = Rounding::new(apart_s);
-        for kink in self.kinks(index, at, epochs_s) {
+        for kink in self.kinks(|arc| arc == index, at, epochs_s) {
             for sample in &mut *samples {
                 for kind in (0..2).filter(|kind| view.kinds()[*kind]) {
-                    let jump_per_s = kink.jumps[kind] / view.units[kind];
+                    let jump_per_s = kink.jumps[kind].norm() / view.units[kind];
                     let since_s = sample.acted_s - kink.time_s;
                     sample.noise_variances[kind] += rounding.variance(since_s, jump_per_s);
                 }
@@ -233,28 +233,32 @@ impl Problem {
         }
     }
 
-    /// Impacts at the ends of a flight.
-    fn kinks(&self, index: usize, at: &Point, epochs_s: &[f64]) -> Vec<NearKink> {
+    /// Impacts at the ends of some flights.
+    pub(in crate::estimate) fn kinks(
+        &self,
+        is_own: impl Fn(usize) -> bool,
+        at: &Point,
+        epochs_s: &[f64],
+    ) -> Vec<Kink> {
         let gravity_m_s2 = self.gravity(&at.parameters);
         let velocities = |arc: usize, time_s: f64| {
             let body = &self.bodies[self.arcs[arc].mechanism];
             let state = flow::advance(body, &gravity_m_s2, &at.arcs[arc], time_s - epochs_s[arc]);
-            let spin_rad_s = state.orientation * state.angular_velocity_rad_s;
-            [state.velocity_m_s, spin_rad_s]
+            [state.velocity_m_s, state.angular_velocity_rad_s]
         };
         let sides = self.collisions.iter().flat_map(|of| {
             let sides = of.sides.iter();
             sides.map(move |pair| (at.event_times_s[of.event], pair))
         });
-        let own = sides.filter(|(_, pair)| pair.before == index || pair.after == index);
+        let own = sides.filter(|(_, pair)| is_own(pair.before) || is_own(pair.after));
         let kinks = own.map(|(time_s, pair)| {
             let (before, after) = (
                 velocities(pair.before, time_s),
                 velocities(pair.after, time_s),
             );
-            NearKink {
+            Kink {
                 time_s,
-                jumps: [0, 1].map(|kind| (after[kind] - before[kind]).norm()),
+                jumps: [0, 1].map(|kind| after[kind] - before[kind]),
             }
         });
         kinks.collect()
@@ -269,12 +273,12 @@ impl Problem {
     }
 }
 
-/// An impact near which samples of a flight count.
-struct NearKink {
+/// An impact, at which a path has a kink.
+pub(in crate::estimate) struct Kink {
     /// \[s\].
-    time_s: f64,
-    /// By how much velocity [m/s] and spin [rad/s] jump.
-    jumps: [f64; 2],
+    pub(in crate::estimate) time_s: f64,
+    /// By how much velocity [m/s, world] and spin [rad/s, body] jump.
+    pub(in crate::estimate) jumps: [Vector3<f64>; 2],
 }
 
 /// How long a flight between two events is \[s\]; infinite where it is between none.

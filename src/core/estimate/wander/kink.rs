@@ -21,6 +21,17 @@ pub fn is_near_kinks(flight_s: f64) -> bool {
     kink_s(flight_s) < KINK_S
 }
 
+/// How far smoothing leads a sample off so long before or after an impact, per velocity that jumps there \[s\].
+///
+/// ```text
+/// σ (φ(t/σ) − t/σ Φ(−t/σ))
+/// ```
+pub fn led_off_s(since_s: f64) -> f64 {
+    let of_sd = since_s.abs() / ROUNDED_S;
+    let law = Normal::standard();
+    ROUNDED_S * (law.pdf(of_sd) - of_sd * law.sf(of_sd))
+}
+
 /// How a hand rounds kinks, as samples see it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rounding {
@@ -37,16 +48,9 @@ impl Rounding {
     }
 
     /// Variance of a sample so long before or after an impact at which velocities jump by so much, as if samples erred by
-    /// themselves: the square of how far smoothing leads it off, for each that is led off alike.
-    ///
-    /// ```text
-    /// |Δv| σ (φ(t/σ) − t/σ Φ(−t/σ))
-    /// ```
+    /// themselves: the square of how far it is led off, for each that is led off alike.
     pub fn variance(&self, since_s: f64, jump_per_s: f64) -> f64 {
-        let of_sd = since_s.abs() / ROUNDED_S;
-        let law = Normal::standard();
-        let share = law.pdf(of_sd) - of_sd * law.sf(of_sd);
-        self.alike * (jump_per_s * ROUNDED_S * share).powi(2)
+        self.alike * (jump_per_s * led_off_s(since_s)).powi(2)
     }
 }
 
