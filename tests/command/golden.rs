@@ -45,7 +45,7 @@ fn golden() -> [Golden; 4] {
                 assignment_rounds: 1,
                 starts: 1,
             },
-            event_times_s: &[0.3451294, 0.7946755],
+            event_times_s: &[0.3451365, 0.7946863],
         },
         Golden {
             file: "pencil_eraser.mcap",
@@ -58,7 +58,7 @@ fn golden() -> [Golden; 4] {
                 assignment_rounds: 2,
                 starts: 2,
             },
-            event_times_s: &[0.3475520, 0.7750930],
+            event_times_s: &[0.3475477, 0.7750742],
         },
         Golden {
             file: "hat_box.mcap",
@@ -71,7 +71,7 @@ fn golden() -> [Golden; 4] {
                 assignment_rounds: 4,
                 starts: 2,
             },
-            event_times_s: &[0.2731305, 0.5662028, 0.8737019],
+            event_times_s: &[0.2731318, 0.5662035, 0.8737033],
         },
         Golden {
             file: "die.mcap",

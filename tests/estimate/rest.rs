@@ -138,9 +138,9 @@ fn labels_are_turned_only_where_they_are_free_and_nothing_else_changes() {
         let rest = outcome.rest.as_ref().expect("goals");
         assert!(rest.is_reached(), "{face}");
         assert_ne!(outcome.estimate.verdict, Verdict::Failed, "{face}");
-        // The motion is the best one, to rounding.
+        // The motion is the best one, as near as errors of a hand are told again.
         let off = outcome.estimate.objective / rest.work.best_objective - 1.0;
-        assert!(off.abs() < 1e-6, "{face}: {off}");
+        assert!(off.abs() < 1e-4, "{face}: {off}");
         let settled = outcome.settled.as_ref().expect("a continuation");
         let last = settled.links[LinkIndex(0)].poses.last().expect("poses");
         assert!(off_deg(&last.rotation, face) < 0.1, "{face}");

@@ -351,9 +351,8 @@ fn documented_quantities_are_those_that_there_are() {
                 .replace("<event>", "bounce")
                 .replace("<surface>", "table");
             let name = name.replace("<body>", "brick");
-            let free = format!(
-                "[[free]]\nquantity = {name:?}\ninitial = 0.9\nlower = 0.25\nupper = 1\n"
-            );
+            let free =
+                format!("[[free]]\nquantity = {name:?}\ninitial = 0.9\nlower = 0.25\nupper = 1\n");
             let meets = format!(
                 "{hit}{}",
                 MEETING

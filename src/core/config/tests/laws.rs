@@ -72,10 +72,7 @@ fn an_event_may_have_a_law_of_its_own() {
 fn repeated_collisions_have_one_law_between_them() {
     let counted = PENCIL
         .replace("restitution = 0.6", "restitution = 0.6\ncount = [2, 4]")
-        .replace(
-            "bounce.tilt.1\"\nlower = -6\nupper = 6",
-            "gravity.x\"",
-        );
+        .replace("bounce.tilt.1\"\nlower = -6\nupper = 6", "gravity.x\"");
     let scene = scene_from_toml(&counted).unwrap().with_marks(6);
     let law = ContactLaw::frictionless("bounce", 0.6);
     assert_eq!(laws_of(&scene), [&law; 4]);

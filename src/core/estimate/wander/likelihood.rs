@@ -243,6 +243,7 @@ impl Restricted<'_> {
                     let (kind, number) = place(at);
                     there_logs[kind][number] += by;
                 }
+                let there_logs = there_logs.map(|of| Process::of_logs(&of).logs());
                 let there = self.valued(&there_logs);
                 if let Some(there) = there.filter(|of| of.merit < here.merit) {
                     moved = Some((there_logs, there));
@@ -315,7 +316,10 @@ impl Restricted<'_> {
         });
         DVector::from_fn(size, |at, _| {
             let (kind, number) = place(at);
-            of_kinds[kind][number]
+            let slope = of_kinds[kind][number];
+            // Noise that is the least there is becomes no less.
+            let is_least = number == Process::NOISE && Process::of_logs(&logs[kind]).is_exact();
+            if is_least { slope.min(0.0) } else { slope }
         })
     }
 

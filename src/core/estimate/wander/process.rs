@@ -68,6 +68,11 @@ impl Process {
         size > f64::MIN_POSITIVE.powf(0.25)
     }
 
+    /// Whether its noise is the least there is.
+    pub fn is_exact(&self) -> bool {
+        self.noise_sd <= LEAST_NOISE * (1.0 + 1e-9)
+    }
+
     /// The same with all sizes so many times as great.
     pub fn times(&self, factor: f64) -> Self {
         Self {
