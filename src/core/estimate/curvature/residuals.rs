@@ -20,7 +20,7 @@
 use nalgebra::{DVector, Matrix3, SMatrix, SVector, Vector3};
 
 use crate::estimate::problem::{ArcSample, View};
-use crate::estimate::reach::arc_end::{self, ArcEnd};
+use crate::estimate::reach::arc_end::ArcEnd;
 use crate::estimate::terms::context::SolveContext;
 use crate::estimate::terms::tempo;
 use crate::estimate::unknowns::point::Point;
@@ -65,11 +65,11 @@ pub fn add(
             flight.add_turn(&mut sum);
         }
         if problem.times_are_unknown() {
-            let mut turns = arc_end::turns(body, point, index);
-            for sample in &view.samples {
-                flight.add_time(sample, &mut turns, &mut sum);
-            }
-            point.kept.keep(turns.into_steps());
+            point.kept.with_turns(body, &point.arcs[index], |turns| {
+                for sample in &view.samples {
+                    flight.add_time(sample, turns, &mut sum);
+                }
+            });
         }
     }
     if problem.times_are_unknown() {
@@ -141,10 +141,10 @@ impl FlightTerms<'_> {
         let epoch_s = self.context.epochs_s[self.arc];
         let readings = self.view.samples.iter();
         let readings = readings.map(|s| (self.time_s(s) - epoch_s, &s.orientation));
-        let kept = &self.point.kept;
-        let mut spin = kept.spin(self.body, &state.angular_velocity_rad_s);
-        let terms = TurnTerms::of(&mut spin, &state.orientation, readings);
-        kept.keep(spin.into_steps());
+        let (kept, omega) = (&self.point.kept, &state.angular_velocity_rad_s);
+        let terms = kept.with_spin(self.body, omega, |spin| {
+            TurnTerms::of(spin, &state.orientation, readings)
+        });
         terms.weighed(self.turn_weight())
     }
 

@@ -70,17 +70,6 @@ impl<const R: usize> ByState<R> {
     }
 }
 
-/// The turns of an arc, for [`ArcEnd::after`]: their steps are to be kept.
-pub(in crate::estimate) fn turns<'b>(body: &'b Body, point: &Point, arc: usize) -> Turns<'b> {
-    let State {
-        orientation,
-        angular_velocity_rad_s,
-        ..
-    } = &point.arcs[arc];
-    let steps = point.kept.take(body, angular_velocity_rad_s);
-    Turns::with_steps(body, orientation, angular_velocity_rad_s, steps)
-}
-
 impl ArcEnd {
     pub(in crate::estimate) fn new(
         body: &Body,
@@ -89,11 +78,10 @@ impl ArcEnd {
         arc: usize,
         [epoch_s, time_s]: [f64; 2],
     ) -> Self {
-        let mut turns = turns(body, point, arc);
-        let duration_s = time_s - epoch_s;
-        let end = Self::after(&mut turns, gravity_m_s2, &point.arcs[arc], duration_s);
-        point.kept.keep(turns.into_steps());
-        end
+        let state = &point.arcs[arc];
+        point.kept.with_turns(body, state, |turns| {
+            Self::after(turns, gravity_m_s2, state, time_s - epoch_s)
+        })
     }
 
     /// After a duration, by the turns of the same state.

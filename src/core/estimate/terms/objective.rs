@@ -67,9 +67,10 @@ impl<'a> Objective<'a> {
                 let stride = (view.samples.len() / self.guidance.orientations_per_arc).max(1);
                 let sums = (sums, stride);
                 let kept = &self.point.kept;
-                let mut spin = kept.spin(body, &flight.0.angular_velocity_rad_s);
-                let terms = samples::known_times(view, sums, flight, &mut spin, &gravity, times_s);
-                kept.keep(spin.into_steps());
+                let omega = &flight.0.angular_velocity_rad_s;
+                let terms = kept.with_spin(body, omega, |spin| {
+                    samples::known_times(view, sums, flight, spin, &gravity, times_s)
+                });
                 self.add_arc(layout.arcs[index], &terms);
             } else if problem.is_short(index, view) {
                 self.add_short(index, view, body, &gravity);

@@ -233,10 +233,10 @@ impl Objective<'_> {
         let weights = &view.informations;
         if problem.has_no_lever(view) && weights.is_empty() {
             let (of, flight) = ((view, stride), (state, epoch_s));
-            let mut spin = point.kept.spin(body, &state.angular_velocity_rad_s);
-            let terms =
-                samples::unknown_times(body, of, flight, &mut spin, gravity_m_s2, time_s, each);
-            point.kept.keep(spin.into_steps());
+            let omega = &state.angular_velocity_rad_s;
+            let terms = point.kept.with_spin(body, omega, |spin| {
+                samples::unknown_times(body, of, flight, spin, gravity_m_s2, time_s, each)
+            });
             self.add_arc(at, &terms);
             by_times.end(self);
             return;

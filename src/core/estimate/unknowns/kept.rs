@@ -4,8 +4,8 @@ use std::cell::RefCell;
 
 use nalgebra::Vector3;
 
-use crate::physics::Body;
-use crate::physics::flow::{Spin, Steps};
+use crate::physics::flow::{Spin, Steps, Turns};
+use crate::physics::{Body, State};
 
 /// How many are kept: of each flight of a usual take one, and of one that is displaced.
 const MOST: usize = 32;
@@ -18,11 +18,7 @@ pub struct KeptSteps(RefCell<Vec<Steps>>);
 impl KeptSteps {
     /// The steps of a body with an angular velocity [rad/s, body], those that are kept or new ones; none where two or three
     /// moments are equal.
-    pub(in crate::estimate) fn take(
-        &self,
-        body: &Body,
-        angular_velocity_rad_s: &Vector3<f64>,
-    ) -> Option<Steps> {
+    fn take(&self, body: &Body, angular_velocity_rad_s: &Vector3<f64>) -> Option<Steps> {
         let mut kept = self.0.borrow_mut();
         let place = kept
             .iter()
@@ -33,18 +29,37 @@ impl KeptSteps {
         }
     }
 
-    /// The same as a spin.
-    pub(in crate::estimate) fn spin(
+    /// What is told by the turns of a state, whose steps are kept for the next use.
+    pub(in crate::estimate) fn with_turns<T>(
+        &self,
+        body: &Body,
+        state: &State,
+        tell: impl FnOnce(&mut Turns) -> T,
+    ) -> T {
+        let omega = &state.angular_velocity_rad_s;
+        let steps = self.take(body, omega);
+        let mut turns = Turns::with_steps(body, &state.orientation, omega, steps);
+        let told = tell(&mut turns);
+        self.keep(turns.into_steps());
+        told
+    }
+
+    /// What is told by a spin, whose steps are kept for the next use.
+    pub(in crate::estimate) fn with_spin<T>(
         &self,
         body: &Body,
         angular_velocity_rad_s: &Vector3<f64>,
-    ) -> Spin {
+        tell: impl FnOnce(&mut Spin) -> T,
+    ) -> T {
         let steps = self.take(body, angular_velocity_rad_s);
-        Spin::with_steps(body, angular_velocity_rad_s, steps)
+        let mut spin = Spin::with_steps(body, angular_velocity_rad_s, steps);
+        let told = tell(&mut spin);
+        self.keep(spin.into_steps());
+        told
     }
 
     /// Keeps them, in place of those that nobody asked for the longest if there are too many.
-    pub(in crate::estimate) fn keep(&self, steps: Option<Steps>) {
+    fn keep(&self, steps: Option<Steps>) {
         let mut kept = self.0.borrow_mut();
         kept.extend(steps);
         if kept.len() > MOST {
