@@ -147,8 +147,9 @@ impl Asked<'_> {
         let fit = Fit {
             fits,
             joint: self.joint,
-            noise: [0, 1]
-                .map(|kind| 3_f64.sqrt() * noise.processes[kind].noise_sd * of.rows.unit(kind)),
+            noise: [0, 1].map(|kind| {
+                3_f64.sqrt() * noise.errors.processes[kind].noise_sd * of.rows.unit(kind)
+            }),
             by_noise: alone.test,
             is_noise,
             is_of_hand: self.strayed == Strayed::Hand,
@@ -209,7 +210,7 @@ impl Asked<'_> {
 /// Whether errors are slow ones that are greater than any of a hand.
 fn is_no_hand(of: &Restricted, fitted: &FittedErrors) -> bool {
     let strays = (0..2).filter(|kind| of.rows.shows(*kind));
-    let strays = strays.map(|kind| fitted.processes[kind].wander_variance().sqrt());
+    let strays = strays.map(|kind| fitted.errors.processes[kind].wander_variance().sqrt());
     strays.fold(0.0, f64::max) > FAR
 }
 

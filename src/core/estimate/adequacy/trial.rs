@@ -64,7 +64,7 @@ impl Trials for BodyTrials<'_> {
         let free = free_directions(&own, &there.system, &kkt)?;
         let linearised = LinearisedSolution::new(&own, &there.point, &free, free.ncols(), 0.0)?;
         let restricted = linearised.restricted();
-        let fitted = restricted.likeliest(&fixed.likely())?;
+        let fitted = restricted.likeliest(&fixed.errors)?;
         let along: DVector<f64> = free.row(own.layout.parameters[wider.first]).transpose();
         let value = there.point.parameters[wider.first];
         let change = value - given;

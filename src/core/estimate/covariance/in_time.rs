@@ -104,8 +104,8 @@ impl InTime {
         let alone = NoiseAlone::of(&restricted, &wandering)?;
         let is_noise = alone.explains();
         let errors = match is_noise {
-            true => alone.fitted.processes,
-            false => wandering.processes,
+            true => alone.fitted.errors,
+            false => wandering.errors.clone(),
         };
         let near_kinks = (strayed.may_be_hand() && !is_noise).then(|| {
             let (point, epochs_s) = (&solution.point, &context.epochs_s);
@@ -115,8 +115,8 @@ impl InTime {
                 .woven(&errors, Kinks::Sharp, point, epochs_s)
         });
         Some(Self {
-            wandering: told.lacking(wandering.likely()),
-            errors: told.lacking(LikelyErrors::of(errors)).processes,
+            wandering: told.lacking(wandering.errors),
+            errors: told.lacking(errors).processes,
             near_kinks,
             ..expected
         })

@@ -48,7 +48,7 @@ pub(super) fn judge(
     let columns = of.columns(&totals);
     let (rows, priors) = of.rows(&columns);
     let restricted = of.restricted(&rows, &priors);
-    let fitted = restricted.at(&told.likely()).ok_or(FitUntold::FewSamples)?;
+    let fitted = restricted.at(&told.errors).ok_or(FitUntold::FewSamples)?;
     let joint = of.linear.rms();
     let strayed = match (&of.problem.errors, scene.performer) {
         (Some(_), _) => Strayed::Hand,

@@ -57,8 +57,8 @@ impl Solved {
             let Some(likely) = linearised.and_then(|of| of.fitted(&errors)) else {
                 break;
             };
-            let is_same = process::change(&errors.processes, &likely.processes) < SAME;
-            let again = (!is_same).then(|| self.erring(likely.likely(), observer));
+            let is_same = process::change(&errors.processes, &likely.errors.processes) < SAME;
+            let again = (!is_same).then(|| self.erring(likely.errors, observer));
             let Some(again) = again.flatten() else {
                 break;
             };

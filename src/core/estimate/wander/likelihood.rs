@@ -82,8 +82,8 @@ impl LikelyErrors {
 /// What is known of a motion whose samples have such errors.
 #[derive(Clone, Debug)]
 pub struct FittedErrors {
-    /// Errors of positions, and of orientations and directions.
-    pub processes: [Process; 2],
+    /// The errors.
+    pub errors: LikelyErrors,
     /// `−2 log L`, up to a constant, with what numbers cost that are not as expected.
     pub merit: f64,
     /// `A⁻¹ Jᵀ V⁻¹ r`: minus the step to the motion that is likeliest.
@@ -94,23 +94,13 @@ pub struct FittedErrors {
     pub left: DMatrix<f64>,
     /// Whether there are samples of each kind.
     pub shown: [bool; 2],
-    /// As in [`LikelyErrors`].
-    inverse: Option<DMatrix<f64>>,
 }
 
 impl FittedErrors {
-    /// The errors, and what a search told of them.
-    pub fn likely(&self) -> LikelyErrors {
-        LikelyErrors {
-            processes: self.processes,
-            inverse: self.inverse.clone(),
-        }
-    }
-
     /// Variance of the wander of the kinds that are shown, in units, or where nothing strays, of the noise.
     pub fn strayed(&self) -> f64 {
         let kinds = (0..2).filter(|kind| self.shown[*kind]);
-        let each = kinds.map(|kind| match &self.processes[kind] {
+        let each = kinds.map(|kind| match &self.errors.processes[kind] {
             process if process.wanders() => process.wander_variance(),
             process => process.noise_sd.powi(2),
         });
@@ -146,10 +136,10 @@ impl Restricted<'_> {
 
     /// What follows of errors of these sizes and times; `None` where a number is none.
     pub fn at(&self, errors: &LikelyErrors) -> Option<FittedErrors> {
-        let LikelyErrors { processes, inverse } = errors;
+        let processes = &errors.processes;
         let [positions, orientations] = self.products(processes);
         Some(FittedErrors {
-            inverse: inverse.clone(),
+            errors: errors.clone(),
             ..self.with(processes, [&positions, &orientations])?
         })
     }
@@ -387,13 +377,12 @@ impl Restricted<'_> {
         let log_variance = positions.log_variance + orientations.log_variance;
         let misfit = left[(others - 1, others - 1)];
         Some(FittedErrors {
-            processes: *processes,
+            errors: LikelyErrors::of(*processes),
             merit: log_variance + information.ln_determinant() + misfit + penalty(processes),
             answer: information.solve(&across.column(others - 1)),
             information,
             left,
             shown: [0, 1].map(|kind| self.rows.shows(kind)),
-            inverse: None,
         })
     }
 }
@@ -550,13 +539,13 @@ mod tests {
             let priors = DMatrix::zeros(10, 10);
             let of = about_parabola(&rows, &priors);
             let fitted = of.likeliest(&LikelyErrors::EXPECTED).expect("a likelihood");
-            let found = fitted.processes[0].logs();
+            let found = fitted.errors.processes[0].logs();
             for (off, at) in off.iter_mut().zip([0, 1, 4]) {
                 *off += (found[at] - TRUE.logs()[at]) / f64::from(count);
             }
             // No sample shows the other kind, of which what is expected stays.
             assert_eq!(
-                fitted.processes[1],
+                fitted.errors.processes[1],
                 Process::of_logs(&Process::EXPECTED.logs())
             );
         }
@@ -623,9 +612,9 @@ mod tests {
         let best = of.likeliest(&LikelyErrors::EXPECTED).expect("a likelihood");
         for number in 0..Process::COUNT {
             for by in [-0.05, 0.05] {
-                let mut logs = best.processes[0].logs();
+                let mut logs = best.errors.processes[0].logs();
                 logs[number] += by;
-                let there = [Process::of_logs(&logs), best.processes[1]];
+                let there = [Process::of_logs(&logs), best.errors.processes[1]];
                 let there = of.at(&LikelyErrors::of(there)).expect("a likelihood").merit;
                 assert!(
                     there > best.merit - 2e-3,

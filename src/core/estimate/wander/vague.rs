@@ -179,14 +179,14 @@ mod tests {
             least: 0.0,
         };
         let fitted = of.likeliest(&LikelyErrors::EXPECTED).expect("a likelihood");
-        let more = of.vague(&fitted.processes).expect("a hand");
+        let more = of.vague(&fitted.errors.processes).expect("a hand");
         let variance = fitted.information.inverse();
         for axis in 0..3 {
             let share = more[(axis, axis)] / variance[(axis, axis)];
             // At most each of four numbers by half, in its logarithm.
             assert!((0.01..4.0).contains(&share), "{share}");
         }
-        let still = fitted.processes.map(|of| of.without_wander());
+        let still = fitted.errors.processes.map(|of| of.without_wander());
         assert!(of.vague(&still).is_none());
     }
 }

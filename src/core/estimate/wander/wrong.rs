@@ -154,7 +154,7 @@ pub fn judge(
         best.into_iter().map(|(index, _)| index).take(TRIALS)
     };
     let by_noise = of.at(&LikelyErrors::of(
-        fitted.processes.map(|of| of.without_wander()),
+        fitted.errors.processes.map(|of| of.without_wander()),
     ));
     let by_noise = by_noise.unwrap_or_else(|| fitted.clone());
     let mut tried: Vec<usize> = best(fitted, TRIED)
@@ -181,7 +181,7 @@ pub fn judge(
     let rows = of.rows.thinned(apart_s);
     let thin = Restricted { rows: &rows, ..*of };
     let is_any = !tried.is_empty() || !blind.is_empty();
-    let fixed = is_any.then(|| thin.likeliest(&fitted.likely()));
+    let fixed = is_any.then(|| thin.likeliest(&fitted.errors));
     if let Some(fixed) = fixed.flatten() {
         for index in tried {
             if looker.should_stop() {
@@ -239,7 +239,7 @@ fn with_one(
         priors: &priors,
         least: of.least,
     };
-    let fitted = with.likeliest(&fixed.likely())?;
+    let fitted = with.likeliest(&fixed.errors)?;
     let change = -fitted.answer[free];
     Some(WrongQuantity {
         index,

@@ -63,7 +63,7 @@ impl Trials for TreeTrials<'_> {
             priors: &priors.tr_mul(&priors),
             least: REGULARISER * self.of.problem.information.0,
         };
-        let fitted = with.likeliest(&fixed.likely())?;
+        let fitted = with.likeliest(&fixed.errors)?;
         let change = tried.value - given;
         let sd = fitted.deviation(free - 1);
         let freed = FreedQuantity {
