@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::linearised::{LinearisedSolution, free_count, free_directions};
 use crate::estimate::problem::Problem;
-use crate::estimate::problem::weave::{Kinks, Weave};
+use crate::estimate::problem::weave::{Kink, Kinks, Weave};
 use crate::estimate::schedule::recipe::Solution;
 use crate::estimate::terms::context::{Guidance, SolveContext};
 use crate::estimate::terms::woven;
@@ -13,6 +13,7 @@ use crate::estimate::unknowns::point::Point;
 use crate::estimate::wander::Process;
 use crate::estimate::wander::kink::led_off_s;
 use crate::estimate::wander::likelihood::{APART_S, LikelyErrors, NoiseAlone, Restricted};
+use crate::estimate::wander::series::Series;
 use crate::estimate::wander::spread::spread;
 use crate::optimise::Program;
 use crate::optimise::kkt::Kkt;
@@ -146,16 +147,9 @@ impl InTime {
         if self.near_kinks.is_some() && !problem.times_are_unknown() {
             for hand in &weave.hands {
                 let is_own = |arc| hand.arcs.iter().any(|of| of.arc == arc);
-                let series = || series.iter().filter(|of| of.track == hand.track);
+                let of_hand = || series.iter().filter(|of| of.track == hand.track);
                 for kink in problem.kinks(is_own, point, &own.epochs_s) {
-                    let mut led_off = DVector::zeros(answers.ncols());
-                    for of in series() {
-                        for (taken, row) in of.taken.iter().zip(&of.rows) {
-                            let by = led_off_s(taken.time_s - kink.time_s) / of.unit;
-                            let rows = changes.rows(*row, 3);
-                            led_off += rows.tr_mul(&kink.jumps[of.kind]) * by;
-                        }
-                    }
+                    let led_off = led_off(&kink, of_hand(), &changes);
                     all += &led_off * led_off.transpose();
                 }
             }
@@ -179,6 +173,23 @@ impl InTime {
         };
         (own, solution)
     }
+}
+
+/// How far answers are led off where a hand rounds a kink: by its samples, of which `changes` has the rows, a column for each
+/// answer.
+fn led_off<'s>(
+    kink: &Kink,
+    series: impl Iterator<Item = &'s Series>,
+    changes: &DMatrix<f64>,
+) -> DVector<f64> {
+    let mut sum = DVector::zeros(changes.ncols());
+    for of in series {
+        for (taken, row) in of.taken.iter().zip(&of.rows) {
+            let by = led_off_s(taken.time_s - kink.time_s) / of.unit;
+            sum += changes.rows(*row, 3).tr_mul(&kink.jumps[of.kind]) * by;
+        }
+    }
+    sum
 }
 
 /// Residuals of a motion whose samples err in time, along what it may follow. Where that are too many directions, residuals are

@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::gravity;
 use crate::estimate::problem::influence::{Acting, Influence};
-use crate::estimate::problem::weave::{Kinks, Weave, WovenArc, WovenHand, WovenSample};
+use crate::estimate::problem::weave::{Kink, Kinks, Weave, WovenArc, WovenHand, WovenSample};
 use crate::estimate::problem::{Arc, INFORMED_MIN, Problem, Shows, View};
 use crate::estimate::unknowns::point::Point;
 use crate::estimate::wander::kink::{APART_S, Rounding, is_near_kinks, kink_s};
@@ -271,14 +271,6 @@ impl Problem {
         }
         gravity(&self.gravity_parameters).collect()
     }
-}
-
-/// An impact, at which a path has a kink.
-pub(in crate::estimate) struct Kink {
-    /// \[s\].
-    pub(in crate::estimate) time_s: f64,
-    /// By how much velocity [m/s, world] and spin [rad/s, body] jump.
-    pub(in crate::estimate) jumps: [Vector3<f64>; 2],
 }
 
 /// How long a flight between two events is \[s\]; infinite where it is between none.

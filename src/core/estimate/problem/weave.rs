@@ -3,6 +3,8 @@
 
 use std::ops::Range;
 
+use nalgebra::Vector3;
+
 use super::influence::Acting;
 use crate::estimate::wander::likelihood::LikelyErrors;
 use crate::estimate::wander::{Gain, SampleInstant};
@@ -16,6 +18,15 @@ pub enum Kinks {
     Rounded,
     /// As they are: every sample counts.
     Sharp,
+}
+
+/// An impact, at which a path has a kink.
+#[derive(Clone, Copy, Debug)]
+pub struct Kink {
+    /// \[s\].
+    pub time_s: f64,
+    /// By how much velocity [m/s, world] and spin [rad/s, body] jump.
+    pub jumps: [Vector3<f64>; 2],
 }
 
 /// The samples of all hands, whose errors are a process.
