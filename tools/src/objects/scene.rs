@@ -34,7 +34,7 @@ fn head(solid: &Solid, trust: &Trust) -> String {
     let [x, y, z] = (body_from_tracked.translation.vector * 1e3).into();
     let q = body_from_tracked.rotation.coords;
     format!(
-        "name = \"toss\"\n[timing]\nstamps = \"physical\"\n\
+        "name = \"toss\"\nhand = \"none\"\n[timing]\nstamps = \"physical\"\n\
          [weights]\nposition_mm = {:?}\norientation_deg = {:?}\n\
          [[body]]\nname = \"thing\"\nshape = {}\nmass_kg = {MASS_KG:?}\n\
          tracker = {{ position_mm = [{x:?}, {y:?}, {z:?}], orientation_wxyz = [{:?}, {:?}, {:?}, {:?}] }}\n{}",
