@@ -6,27 +6,29 @@ use wide::f64x4;
 /// Number of samples at a time.
 pub const LANES: usize = 4;
 
-/// As many numbers, with zeros where they are fewer.
+/// As many numbers, at most four, with zeros where they are fewer.
 #[inline]
 pub fn loaded(numbers: &[f64]) -> f64x4 {
-    let mut all = [0.0; LANES];
-    match <[f64; LANES]>::try_from(numbers) {
-        Ok(four) => all = four,
-        Err(_) => all[..numbers.len()].copy_from_slice(numbers),
-    }
-    f64x4::from(all)
+    // By length, since copies of unknown length are calls.
+    f64x4::from(match *numbers {
+        [a, b, c, d] => [a, b, c, d],
+        [a, b, c] => [a, b, c, 0.0],
+        [a, b] => [a, b, 0.0, 0.0],
+        [a] => [a, 0.0, 0.0, 0.0],
+        _ => [0.0; LANES],
+    })
 }
 
-/// Puts the first of them into as many places, or fewer.
+/// Puts the first of them into as many places, at most four.
 #[inline]
 pub fn store(lanes: f64x4, numbers: &mut [f64]) {
-    let all = lanes.to_array();
-    match <&mut [f64; LANES]>::try_from(&mut *numbers) {
-        Ok(four) => *four = all,
-        Err(_) => {
-            let count = numbers.len();
-            numbers.copy_from_slice(&all[..count]);
-        }
+    let [a, b, c, d] = lanes.to_array();
+    match numbers {
+        [x, y, z, w] => (*x, *y, *z, *w) = (a, b, c, d),
+        [x, y, z] => (*x, *y, *z) = (a, b, c),
+        [x, y] => (*x, *y) = (a, b),
+        [x] => *x = a,
+        _ => (),
     }
 }
 

@@ -155,13 +155,20 @@ impl Means {
         }
     }
 
+    /// The means, four numbers at a time.
+    fn in_lanes(&mut self) -> impl Iterator<Item = [&mut [f64]; 3]> {
+        let [places, speeds, roughs] = &mut self.each;
+        let moving = places.chunks_mut(LANES).zip(speeds.chunks_mut(LANES));
+        let all = moving.zip(roughs.chunks_mut(LANES));
+        all.map(|((places, speeds), roughs)| [places, speeds, roughs])
+    }
+
     /// Replaces the numbers of a sample by those of `e`.
     pub fn whiten(&mut self, gain: &Gain, numbers: &mut [f64]) {
         let (by, k) = (&gain.by, &gain.gain);
-        let [places, speeds, roughs] = self.each.each_mut().map(|of| of.chunks_mut(LANES));
-        let means = places.zip(speeds).zip(roughs);
-        for (numbers, ((places, speeds), roughs)) in numbers.chunks_mut(LANES).zip(means) {
-            let [place, speed, rough] = [&*places, &*speeds, &*roughs].map(lanes::loaded);
+        for (numbers, [places, speeds, roughs]) in numbers.chunks_mut(LANES).zip(self.in_lanes()) {
+            let (place, speed) = (lanes::loaded(places), lanes::loaded(speeds));
+            let rough = lanes::loaded(roughs);
             let expected = place * by[(0, 0)] + speed * by[(0, 1)];
             let expected_speed = place * by[(1, 0)] + speed * by[(1, 1)];
             let expected_rough = rough * by[(2, 2)];
@@ -205,17 +212,18 @@ impl GainSlopes {
     /// ```
     pub fn pop(&mut self, gain: &Gain, whitened: &[f64], slopes: &[f64]) -> Gain {
         let before = self.before.pop().expect("one for each sample");
-        let [places, speeds, roughs] = self.adjoint.each.each_mut().map(|of| of.chunks_mut(LANES));
         let (by, k, per_sd) = (&gain.by, &gain.gain, gain.per_sd);
         let mut by_sd = f64x4::ZERO;
         let mut by_gain = [f64x4::ZERO; 3];
         let mut by_expected = [f64x4::ZERO; 5];
         let mut first = 0;
-        for ((places, speeds), roughs) in places.zip(speeds).zip(roughs) {
+        for [places, speeds, roughs] in self.adjoint.in_lanes() {
             let range = first..first + places.len();
             first = range.end;
-            let [place, speed, rough] = [&*places, &*speeds, &*roughs].map(lanes::loaded);
-            let [white, slope] = [whitened, slopes].map(|of| lanes::loaded(&of[range.clone()]));
+            let (place, speed) = (lanes::loaded(places), lanes::loaded(speeds));
+            let rough = lanes::loaded(roughs);
+            let white = lanes::loaded(&whitened[range.clone()]);
+            let slope = lanes::loaded(&slopes[range.clone()]);
             let off = white / per_sd;
             let by_off = slope * per_sd + place * k[0] + speed * k[1] + rough * k[2];
             by_sd += slope * off;
@@ -223,10 +231,12 @@ impl GainSlopes {
                 *sum += adjoint * off;
             }
             let expected = [place - by_off, speed, rough - by_off];
-            let [m, v, o] = before
-                .each
-                .each_ref()
-                .map(|of| lanes::loaded(&of[range.clone()]));
+            let [m, v, o] = &before.each;
+            let (m, v) = (
+                lanes::loaded(&m[range.clone()]),
+                lanes::loaded(&v[range.clone()]),
+            );
+            let o = lanes::loaded(&o[range]);
             let pairs = [
                 expected[0] * m,
                 expected[0] * v,
