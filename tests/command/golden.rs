@@ -77,9 +77,9 @@ fn golden() -> [Golden; 4] {
             file: "die.mcap",
             verdict: Verdict::Plausible,
             counters: Counters {
-                iterations: 10,
-                evaluations: 14,
-                factorisations: 10,
+                iterations: 12,
+                evaluations: 16,
+                factorisations: 12,
                 fit_iterations: 32,
                 assignment_rounds: 0,
                 starts: 1,

@@ -6,7 +6,7 @@ use super::clock;
 use super::fit::ArcFit;
 use super::readings::Readings;
 use super::turn::{self, OrientationReading};
-use super::{keyed, open_times, pointing, roll, swing, unseen};
+use super::{crossing, keyed, open_times, pointing, roll, swing, unseen};
 use crate::motion::{Guess, Observer, Scene, Segment, Sketch, Timing};
 use crate::physics::State;
 
@@ -149,6 +149,9 @@ pub fn guess(
     let filled = rolled.flat_map(|guess| unseen::guesses(scene, segments, &readings, guess));
     let mut guesses: Vec<Guess> = filled.collect();
     for guess in &mut guesses {
+        if known.is_some() {
+            crossing::place(scene, sketch, segments, guess);
+        }
         between::fill(scene, segments, &guess.event_times_s, &mut guess.arcs);
         open_times::place(scene, sketch, segments, guess);
     }

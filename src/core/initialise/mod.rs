@@ -9,6 +9,7 @@ pub mod between;
 mod circle;
 pub mod clock;
 pub mod contact;
+mod crossing;
 mod fit;
 mod flights;
 pub mod guess;
