@@ -139,7 +139,8 @@ fn a_ball_by_itself_is_refused_nothing() {
     let read =
         |of_ball: &str, further: &str| scene_from_toml(&Beside::of(8530).toml(of_ball, further));
     let gravity = "[[free]]\nquantity = \"gravity.z\"\n";
-    assert!(read("", gravity).is_err());
+    assert!(read("", gravity).is_ok());
+    assert!(read("", "[[free]]\nquantity = \"lamp.drag.linear\"\n").is_err());
     let scene = read("", "[[free]]\nquantity = \"ball.drag.linear\"\n").expect("valid");
     assert!(matches!(
         scene.parameters[0].quantity,

@@ -75,6 +75,40 @@ fn usual_hands_give_motions_near_the_true_ones() {
     }
 }
 
+/// A tip that bounces on a table while the hand swings on: from exact samples the motion comes back, and of a usual hand it is
+/// physical, with the impact within four deviations.
+#[test]
+fn what_hangs_from_a_hand_may_hit_something() {
+    let (mut exact, mut usual, mut physical) = (0, 0, 0);
+    for joints in JOINTS {
+        for seed in 8000..8025 {
+            let Some(performance) = tree_hands::strike(joints, &HandActing::EXACT, seed) else {
+                continue;
+            };
+            if exact < 4 {
+                exact += 1;
+                let outcome = finished(&performance);
+                let off_m = off_m(&performance, &outcome);
+                assert!(off_m < 2e-4, "{joints:?} {seed}: {off_m}");
+                let off_s = outcome.estimate.events[1].time_s - performance.marked_s("hit");
+                assert!(off_s.abs() < 1e-4, "{joints:?} {seed}: {off_s}");
+            }
+            let performance = tree_hands::strike(joints, &HandActing::USUAL, seed).expect("again");
+            let outcome = finished(&performance);
+            usual += 1;
+            if outcome.estimate.verdict == Verdict::Physical {
+                physical += 1;
+                let hit = &outcome.estimate.events[1];
+                let off_s = (hit.time_s - performance.marked_s("hit")).abs();
+                let sd_s = hit.sd_s.expect("it is told");
+                assert!(off_s < 4.0 * sd_s, "{joints:?} {seed}: {off_s} {hit:?}");
+            }
+        }
+    }
+    assert!(exact == 4 && usual > 8, "{exact} and {usual}");
+    assert!(10 * physical >= 8 * usual, "{physical} of {usual}");
+}
+
 /// In every frame that is written the first rod's end is at the handle's joint, and the second's at the first's.
 fn stay_in_the_hand(outcome: &Outcome) {
     let frames = SampledMotion::new(

@@ -127,7 +127,55 @@ fn other_quantities_of_scenes_with_joints_are_refused() {
     };
     let kind = Kind::pendulum(2, Jointed::Universal);
     let text = trees::perform(&kind, &hung, 8330).scene_toml;
-    let text = text + "\n[[free]]\nquantity = \"gravity.z\"\n";
-    let error = scene_from_toml(&text).unwrap_err().to_string();
-    assert!(error.contains("restitution, friction and tilts"), "{error}");
+    for quantity in ["rod 1.drag.linear", "rod 2.force.z", "rod 2.clock.rate"] {
+        let text = format!("{text}\n[[free]]\nquantity = {quantity:?}\n");
+        let error = scene_from_toml(&text).unwrap_err().to_string();
+        let said = "of joined bodies clocks, forces and drags are given";
+        assert!(error.contains(said), "{error}");
+    }
+}
+
+/// What else of a scene is free comes back from exact samples too: a body's mass, where its centre of mass is, where its tracker
+/// is, and gravity; and the checks are those of the scene with these.
+#[test]
+fn an_exact_sketch_gives_the_scene_back() {
+    let exact = TreeActing {
+        wander_m: 0.0,
+        noise_m: 0.0,
+        asks_start: false,
+        ..TreeActing::of(1.0)
+    };
+    for seed in 8000..8004 {
+        let performance = trees::perform(&Kind::pendulum(2, Jointed::Pin), &exact, seed);
+        let given = &performance.scene;
+        let last = given.links.last_key().expect("links");
+        let track = given.tracks.keys().next().expect("a track");
+        let along = |axis| Quantity::Centre { link: last, axis };
+        let quantities = [
+            (Quantity::Gravity { axis: 2 }, -9.5),
+            (Quantity::Mass { link: last }, 1.2),
+            (along(2), 0.005),
+            (Quantity::TrackerPosition { track, axis: 2 }, 0.004),
+        ];
+        for (quantity, initial) in quantities {
+            let mut scene = given.clone();
+            let truth = match quantity {
+                Quantity::Gravity { .. } => given.gravity_m_s2.z,
+                Quantity::Mass { .. } => 1.0,
+                _ => 0.0,
+            };
+            scene.parameters = vec![scene.freed(quantity, initial)];
+            let events = performance.events.iter().cloned();
+            let outcome = Pipeline::of(scene, events)
+                .finish(&mut ())
+                .expect("an estimate");
+            let estimate = &outcome.estimate;
+            let said = (seed, quantity, &estimate.reason, &estimate.doubts);
+            assert_eq!(estimate.verdict, Verdict::Physical, "{said:?}");
+            let found = &estimate.parameters[0];
+            let off = (found.value - truth).abs() / quantity.typical();
+            assert!(off < 0.02, "{said:?}: {found:?}");
+            assert_eq!(outcome.given.value_of(quantity), given.value_of(quantity));
+        }
+    }
 }

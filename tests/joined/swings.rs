@@ -4,7 +4,8 @@ use std::path::Path;
 
 use enact::config::scene_from_toml;
 use enact::motion::{
-    About, Estimate, GoalSet, GoalTarget, LinkIndex, Performer, TakeEvent, Verdict,
+    About, Covariance, Estimate, GoalSet, GoalTarget, LinkIndex, Performer, TakeEvent, Verdict,
+    Weighing,
 };
 use enact::physics::tree::Snapshot;
 use enact::pipeline::{Outcome, Pipeline};
@@ -13,6 +14,9 @@ use enact::verify;
 use enact_tools::replay::Program;
 use enact_tools::trees::{self, Jointed, Kind, TreeActing, TreePerformance};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 use tempfile::TempDir;
 
 const ENACT: Program = Program(env!("CARGO_BIN_EXE_enact"));
@@ -227,11 +231,6 @@ fn scenes_of_joined_bodies_that_make_no_sense_are_refused() {
             "neither force nor drag",
         ),
         (
-            "sees = \"point\"",
-            "sees = \"point\"\nweights = \"messages\"",
-            "expected no weights",
-        ),
-        (
             "kind = \"end\"",
             "kind = \"end\"\ntime = \"free\"",
             "begins and ends at the marks",
@@ -419,4 +418,64 @@ fn knots_that_do_not_follow_from_the_first_are_doubted() {
     let mut whirled = estimate.clone();
     whirled.trees[0].knots[2].state.rates[0] = 2000.0;
     assert_eq!(doubts(&whirled), [About::Speed, About::Spin]);
+}
+
+/// Samples whose messages say how far they err.
+fn with_messages(performance: &TreePerformance, sd_m: impl Fn(usize) -> f64) -> TreePerformance {
+    let mut said = performance.clone();
+    for track in &mut said.scene.tracks {
+        track.weighing = Weighing::Messages;
+    }
+    for (at, event) in said.events.iter_mut().enumerate() {
+        if let TakeEvent::Pose { sample, .. } = event {
+            let mut rows = [0.0; 36];
+            for axis in 0..6 {
+                rows[7 * axis] = sd_m(at).powi(2);
+            }
+            sample.covariance = Some(Covariance::of_rows(&rows));
+        }
+    }
+    said
+}
+
+/// Messages that say what the scene's weights say lead to the same motion; of rough and good samples, those that say
+/// so lead nearer to the truth.
+#[test]
+fn samples_weigh_what_their_messages_say() {
+    let acting = TreeActing {
+        wander_m: 0.0,
+        noise_m: 0.001,
+        ..hung()
+    };
+    let [mut weighed_m, mut alike_m] = [0.0; 2];
+    for seed in 8020..8024 {
+        let mut performance = trees::perform(&PENDULUMS[0], &acting, seed);
+        performance.scene.performer = Performer::Nobody;
+        let own_m = performance.scene.weights.position_m;
+        let [given, said] =
+            [performance.clone(), with_messages(&performance, |_| own_m)].map(|of| {
+                let outcome = finished(&of);
+                outcome.estimate.trees[0].knots[0].state.clone()
+            });
+        let off = performance.tree().minus(&given, &said);
+        assert!(off.iter().all(|off| off.abs() < 1e-5), "{seed}: {off:?}");
+        // Every other sample is off by centimetres.
+        let is_rough = |at: usize| at % 2 == 1;
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        for (at, event) in performance.events.iter_mut().enumerate() {
+            if let TakeEvent::Pose { sample, .. } = event
+                && is_rough(at)
+            {
+                sample.position_m +=
+                    Vector3::from_fn(|_, _| 0.03 * random.sample::<f64, _>(StandardNormal));
+            }
+        }
+        let said = with_messages(&performance, |at| if is_rough(at) { 0.03 } else { 0.001 });
+        for (of, sum_m) in [(&said, &mut weighed_m), (&performance, &mut alike_m)] {
+            let found = &finished(of).estimate.trees[0].knots[0].state;
+            let off = performance.tree().minus(found, &performance.truth);
+            *sum_m += off.iter().map(|off| off * off).sum::<f64>();
+        }
+    }
+    assert!(weighed_m < 0.1 * alike_m, "{weighed_m} {alike_m}");
 }

@@ -7,7 +7,9 @@ use enact::math::Pose;
 use enact::motion::held::Driven;
 use enact::motion::{Holds, Mark, PoseSample, Scene, Stamp, TakeEvent, TrackIndex};
 use enact::physics::State;
-use enact::physics::tree::{Carrier, Flow, Hand, Snapshot, Tree, TreeState, tableau};
+use enact::physics::tree::{
+    Carrier, Flow, Forest, ForestSnapshot, Hand, Snapshot, Tree, TreeState, tableau,
+};
 use enact::write::WriteError;
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -26,6 +28,11 @@ const BELOW_M: f64 = 0.06;
 pub const RATE_HZ: f64 = 120.0;
 /// Duration \[s\].
 pub const LASTS_S: f64 = 0.9;
+/// How fast a tip falls at least that hits a table [m/s].
+const FALLS_M_S: f64 = 0.4;
+/// What the handle's tracker sees, and that of the tip.
+const HAND: TrackIndex = TrackIndex(0);
+const TIP: TrackIndex = TrackIndex(1);
 /// First stamp \[ns\].
 const BEGINS_NS: i64 = 1_000_000_000;
 
@@ -71,6 +78,16 @@ pub struct HandPerformance {
 }
 
 impl HandPerformance {
+    /// When an event is marked, from the first sample \[s\].
+    ///
+    /// # Panics
+    /// Where it is not.
+    pub fn marked_s(&self, event: &str) -> f64 {
+        let mut marks = self.events.iter().filter_map(TakeEvent::mark);
+        let mark = marks.find(|mark| mark.event.as_deref() == Some(event));
+        1e-9 * (mark.expect("it is marked").stamp.0 - BEGINS_NS) as f64
+    }
+
     /// Writes it with its scene.
     pub fn write(&self, path: &Path) -> Result<(), WriteError> {
         recording::write_events_of(&self.scene, &self.scene_toml, &self.events, path)
@@ -167,40 +184,141 @@ pub fn scene_toml(joints: Jointed) -> String {
     text + "\n[[event]]\nname = \"start\"\nkind = \"start\"\n\n[[event]]\nname = \"end\"\nkind = \"end\"\n"
 }
 
+/// A hand with what hangs from it, and how that begins.
+struct Begun {
+    swing: Swing,
+    tree: Tree,
+    start: TreeState,
+}
+
+impl Begun {
+    fn drawn(scene: &Scene, random: &mut ChaCha8Rng) -> Self {
+        let (_, joined) = scene.joint_trees().next().expect("a tree");
+        let swing = Swing::drawn(random);
+        let model = joined.model(|link| scene.links[link].body);
+        let tree = model.expect("a tree").in_hand(Hand::new(swing));
+        let mut delta = vec![0.0; 2 * tree.freedoms()];
+        for (at, entry) in delta.iter_mut().enumerate() {
+            let most = if at < tree.freedoms() { 0.6 } else { 3.0 };
+            *entry = most * (2.0 * random.random::<f64>() - 1.0);
+        }
+        let start = TreeState {
+            time_s: 0.0,
+            ..tree.retract(&tree.at_rest(), &delta)
+        };
+        Self { swing, tree, start }
+    }
+
+    /// States from one on at samples' times, of those after it until that of an index.
+    fn flown(&self, scene: &Scene, from: &TreeState, until: usize) -> Vec<TreeState> {
+        let mut flow = Flow::new(&self.tree, &scene.gravity_m_s2, tableau::DORMAND_PRINCE);
+        flow.begin(from, false);
+        let first = (from.time_s * RATE_HZ - 1e-9).ceil().max(0.0) as usize;
+        let states = (first..=until).map(|index| {
+            flow.reach(index as f64 / RATE_HZ - from.time_s, 5e-4);
+            flow.state()
+        });
+        states.collect()
+    }
+
+    /// Place and velocity of the tip along z [m, m/s].
+    fn tip(&self, scene: &Scene, state: &TreeState) -> [f64; 2] {
+        let mut snapshot = Snapshot::new(&self.tree, &scene.gravity_m_s2);
+        snapshot.set(state);
+        let tip_m = scene.tracks[TIP].point_m();
+        [
+            snapshot.point(RODS - 1, &tip_m).z,
+            snapshot.point_velocity(RODS - 1, &tip_m).z,
+        ]
+    }
+}
+
+/// The same above a table, on which the tip bounces.
+fn struck_toml(joints: Jointed, table_m: f64) -> String {
+    let hit = format!(
+        "[[surface]]\nname = \"table\"\npoint_mm = [0, 0, {:?}]\nnormal = [0, 0, 1]\n\n\
+         [[event]]\nname = \"hit\"\nkind = \"collision\"\nbody = \"rod {RODS}\"\nfeature = \"tip\"\nsurface = \"table\"\n\
+         restitution = 0.6\nfriction = 0.1\n\n",
+        1e3 * table_m
+    );
+    let tip = format!(
+        "mass_g = 100\nfeatures_mm = {{ tip = [0, 0, {:?}] }}\n",
+        -500.0 * ROD_M
+    );
+    let end = "[[event]]\nname = \"end\"";
+    let text = scene_toml(joints).replace("mass_g = 100\n", &tip);
+    text.replace(end, &(hit + end))
+}
+
 /// Acts a motion.
 pub fn perform(joints: Jointed, acting: &HandActing, seed: u64) -> HandPerformance {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let scene_toml = scene_toml(joints);
     let scene = scene_from_toml(&scene_toml).expect("a valid scene");
-    let (_, joined) = scene.joint_trees().next().expect("a tree");
-    let swing = Swing::drawn(&mut random);
-    let model = joined.model(|link| scene.links[link].body);
-    let tree = model.expect("a tree").in_hand(Hand::new(swing));
-    let mut delta = vec![0.0; 2 * tree.freedoms()];
-    for (at, entry) in delta.iter_mut().enumerate() {
-        let most = if at < tree.freedoms() { 0.6 } else { 3.0 };
-        *entry = most * (2.0 * random.random::<f64>() - 1.0);
-    }
-    let start = TreeState {
-        time_s: 0.0,
-        ..tree.retract(&tree.at_rest(), &delta)
+    let begun = Begun::drawn(&scene, &mut random);
+    let last = (LASTS_S * RATE_HZ).round() as usize;
+    let states = begun.flown(&scene, &begun.start, last);
+    let marks = [("start", 0.0), ("end", LASTS_S)];
+    seen((scene, scene_toml), begun, states, acting, &marks, random)
+}
+
+/// The same where the tip hits a table, from which it bounces; `None` where it does not come down on one.
+pub fn strike(joints: Jointed, acting: &HandActing, seed: u64) -> Option<HandPerformance> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let free = scene_from_toml(&scene_toml(joints)).expect("a valid scene");
+    let begun = Begun::drawn(&free, &mut random);
+    let last = (LASTS_S * RATE_HZ).round() as usize;
+    let before = begun.flown(&free, &begun.start, last);
+    // It falls on the table from above all that it was until then.
+    let hit = (last / 3..2 * last / 3).find(|at| {
+        let [z_m, speed_m_s] = begun.tip(&free, &before[*at]);
+        let mut earlier = before[..*at].iter();
+        speed_m_s < -FALLS_M_S && earlier.all(|state| begun.tip(&free, state)[0] > z_m)
+    })?;
+    let mut flow = Flow::new(&begun.tree, &free.gravity_m_s2, tableau::DORMAND_PRINCE);
+    flow.begin(&begun.start, false);
+    let hit_s = (hit as f64 + 0.4) / RATE_HZ;
+    flow.reach(hit_s, 5e-4);
+    let touching = flow.state();
+    let [table_m, _] = begun.tip(&free, &touching);
+    let scene_toml = struck_toml(joints, table_m);
+    let scene = scene_from_toml(&scene_toml).expect("a valid scene");
+    let forest = Forest::new(vec![begun.tree.clone()]);
+    let mut snapshot = ForestSnapshot::new(&forest, &scene.gravity_m_s2);
+    snapshot.set(&touching);
+    let touch = scene.tree_touch(1).expect("what touches");
+    let impact = snapshot.impact(&touching, &touch.at, &touch.law).ok()?;
+    let after = TreeState {
+        rates: impact.rates,
+        ..touching
     };
-    let mut flow = Flow::new(&tree, &scene.gravity_m_s2, tableau::DORMAND_PRINCE);
-    flow.begin(&start, false);
-    let count = (LASTS_S * RATE_HZ).round() as usize;
-    let states = (0..=count).map(|index| {
-        flow.reach(index as f64 / RATE_HZ, 5e-4);
-        flow.state()
-    });
-    let states: Vec<TreeState> = states.collect();
+    let mut states = before[..=hit].to_vec();
+    let bounced = begun.flown(&scene, &after, last);
+    // Until it comes down again.
+    let above = |state: &&TreeState| begun.tip(&scene, state)[0] > table_m;
+    states.extend(bounced.iter().take_while(above).cloned());
+    let end_s = (states.len() - 1) as f64 / RATE_HZ;
+    let marks = [("start", 0.0), ("hit", hit_s), ("end", end_s)];
+    let is_seen = states.len() > hit + 10;
+    is_seen.then(|| seen((scene, scene_toml), begun, states, acting, &marks, random))
+}
+
+/// What trackers see of states at samples' times.
+fn seen(
+    (scene, scene_toml): (Scene, String),
+    Begun { swing, tree, .. }: Begun,
+    states: Vec<TreeState>,
+    acting: &HandActing,
+    marks: &[(&str, f64)],
+    mut random: ChaCha8Rng,
+) -> HandPerformance {
     let wanders: Vec<Wander> = (0..3)
         .map(|_| Wander::draw(&HAND_POSITION, &mut random))
         .collect();
     let stamp = |index: usize| Stamp(BEGINS_NS + (1e9 * index as f64 / RATE_HZ).round() as i64);
     let mut snapshot = Snapshot::new(&tree, &scene.gravity_m_s2);
     let mut events: Vec<TakeEvent> = Vec::new();
-    let [hand, tip] = [TrackIndex(0), TrackIndex(1)];
-    let mounted = scene.tracks[hand].link_from_tracker;
+    let mounted = scene.tracks[HAND].link_from_tracker;
     for (index, state) in states.iter().enumerate() {
         let mut white = |sd: f64| {
             Vector3::from_fn(|_, _| {
@@ -224,9 +342,9 @@ pub fn perform(joints: Jointed, acting: &HandActing, seed: u64) -> HandPerforman
                 sample,
             });
         };
-        send(hand, PoseSample::from_pose(stamp(index), &seen));
+        send(HAND, PoseSample::from_pose(stamp(index), &seen));
         snapshot.set(state);
-        let at_m = snapshot.point(RODS - 1, &scene.tracks[tip].point_m());
+        let at_m = snapshot.point(RODS - 1, &scene.tracks[TIP].point_m());
         // A hand acts at a third of the motion's speed.
         let astray = wanders.iter().map(|wander| wander.at(3.0 * state.time_s));
         let astray = Vector3::from_iterator(astray) * (acting.wander_m / 3.0_f64.sqrt());
@@ -234,12 +352,12 @@ pub fn perform(joints: Jointed, acting: &HandActing, seed: u64) -> HandPerforman
         let pose = Pose::from_parts(at_m.into(), UnitQuaternion::identity());
         let mut sample = PoseSample::from_pose(stamp(index), &pose);
         sample.holds = Holds::Position;
-        send(tip, sample);
+        send(TIP, sample);
     }
-    for (name, index) in [("start", 0), ("end", states.len() - 1)] {
+    for (name, time_s) in marks {
         events.push(TakeEvent::Mark(Mark {
-            stamp: stamp(index),
-            event: Some(name.into()),
+            stamp: Stamp(BEGINS_NS + (1e9 * time_s).round() as i64),
+            event: Some((*name).into()),
         }));
     }
     HandPerformance {

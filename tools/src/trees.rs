@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use enact::config::scene_from_toml;
-use enact::estimate::tree::program::{Part, TreeProgram};
+use enact::estimate::tree::part::Part;
+use enact::estimate::tree::program::TreeProgram;
 use enact::estimate::tree::{TreePoint, TreeProblem};
 use enact::motion::{
     Holds, JointTree, Mark, PoseSample, Scene, Sees, Stamp, TakeEvent, TrackIndex,

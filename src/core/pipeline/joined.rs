@@ -43,7 +43,7 @@ pub(super) fn outcome(
     };
     account(scene, &sketch, &mut counts);
     Ok(Some(Outcome {
-        scene: tried.scene.clone(),
+        scene: tried.scene.as_estimated(&tried.estimate),
         given: tried.scene,
         freed: Vec::new(),
         inferred,

@@ -46,7 +46,7 @@ pub struct JoinedCheck {
     pub verification: Option<Verification>,
 }
 
-/// Doubts about all that moves of a scene with joined bodies, given when marks of events were made \[s, acted\].
+/// Doubts about all that moves of a scene with joined bodies as estimated, given when marks of events were made \[s, acted\].
 pub fn doubts(
     scene: &Scene,
     sketch: &Sketch,

@@ -25,7 +25,7 @@ pub(in crate::config) fn refuse(raw: &RawScene, scene: &Scene) -> Result<(), Fau
     if let Some((span, said)) = joined.unused(raw).next() {
         return fault(span, said);
     }
-    if let Some(hand) = scene.links.keys().find(|link| scene.is_held(*link)) {
+    for hand in scene.links.keys().filter(|link| scene.is_held(*link)) {
         joined.refuse_beside(raw, hand)?;
     }
     joined.refuse_free(raw)
@@ -104,10 +104,11 @@ impl<'a> JoinedPart<'a> {
             return fault(raw.timing.stamps.span(), said);
         }
         for (event, index) in raw.event.iter().zip(0..) {
+            let is_hit = scene.links_at(index).into_iter().any(|of| of == hand);
             let kind = &event.get_ref().kind;
-            if kind.get_ref() == "collision" && self.has_event(index) {
+            if kind.get_ref() == "collision" && is_hit {
                 let said = format!(
-                    "{name:?} is held in a scene with joints, where nothing is hit: expected no collision"
+                    "{name:?} is held in a scene with joints, where nothing hits it: expected no collision of it"
                 );
                 return fault(kind.span(), said);
             }
@@ -115,26 +116,43 @@ impl<'a> JoinedPart<'a> {
         Ok(())
     }
 
-    /// Refuses free quantities that act on joined bodies and are not of the law of an impact.
+    /// Refuses free clocks, forces and drags of joined bodies.
     fn refuse_free(&self, raw: &RawScene) -> Result<(), Fault> {
         let scene = self.scene;
-        let is_done = |quantity: Quantity| {
-            let is_of_law = matches!(
-                quantity,
-                Quantity::Restitution { .. } | Quantity::Friction { .. } | Quantity::Tilt { .. }
-            );
-            let told = scene.told_by(quantity);
-            let joined = self.groups.iter().filter(|(_, is_joined)| *is_joined);
-            let is_told = |(group, _): &(Group, bool)| told.iter().any(|of| group.has(*of));
-            is_of_law || !joined.into_iter().any(is_told)
+        let is_undone = |quantity: Quantity| match quantity {
+            Quantity::Force { .. }
+            | Quantity::LinearDrag { .. }
+            | Quantity::QuadraticDrag { .. }
+            | Quantity::ClockRate { .. }
+            | Quantity::ClockOffset { .. }
+            | Quantity::FlightClock { .. }
+            | Quantity::SampleTime { .. }
+            | Quantity::ContactDuration { .. } => {
+                let told = scene.told_by(quantity);
+                let mut joined = self.groups.iter().filter(|(_, is_joined)| *is_joined);
+                joined.any(|(group, _)| told.iter().any(|of| group.has(*of)))
+            }
+            Quantity::Restitution { .. }
+            | Quantity::Friction { .. }
+            | Quantity::Tilt { .. }
+            | Quantity::Gravity { .. }
+            | Quantity::Moment { .. }
+            | Quantity::Mass { .. }
+            | Quantity::Centre { .. }
+            | Quantity::TrackerPosition { .. }
+            | Quantity::TrackerOrientation { .. }
+            | Quantity::SurfaceHeight { .. }
+            | Quantity::SurfaceTilt { .. }
+            | Quantity::JointPlace { .. }
+            | Quantity::JointTurn { .. } => false,
         };
-        let Some(other) = scene.parameters.iter().find(|of| !is_done(of.quantity)) else {
+        let Some(other) = scene.parameters.iter().find(|of| is_undone(of.quantity)) else {
             return Ok(());
         };
         let mut named = raw.free.iter().map(|free| &free.quantity);
         let place = named.find(|name| other.name.starts_with(name.get_ref().as_str()));
         let said = format!(
-            "of a scene with joints restitution, friction and tilts of its collisions may be free, expected one of them instead of {:?}",
+            "of joined bodies clocks, forces and drags are given, expected another quantity than {:?}",
             other.name
         );
         fault(place.map_or(0..0, Spanned::span), said)
@@ -170,17 +188,11 @@ fn span<T>(of: &Option<Spanned<T>>) -> Option<Range<usize>> {
 fn unused_of_body(body: &RawBody) -> Vec<Unused> {
     let flies =
         "bodies of a scene with joints fly in gravity alone, expected neither force nor drag";
-    let weighs = "samples in a scene with joints weigh what that says, expected no weights";
-    let tracks = body
-        .track
-        .iter()
-        .map(|track| (span(&track.get_ref().weights), weighs));
-    let own = [
+    vec![
         (span(&body.force_m_s2), flies),
         (span(&body.drag_linear_per_s), flies),
         (span(&body.drag_quadratic_per_m), flies),
-    ];
-    own.into_iter().chain(tracks).collect()
+    ]
 }
 
 fn unused_of_end(event: &RawEvent) -> Vec<Unused> {

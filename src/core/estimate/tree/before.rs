@@ -3,9 +3,10 @@
 
 use super::continuation::{Continuation, Intervals, KICK_RAD_S, continuation, continued};
 use super::goal::TreeGoal;
+use super::part::Part;
 use super::point::TreePoint;
 use super::problem::TreeProblem;
-use super::program::{Part, TreeProgram};
+use super::program::TreeProgram;
 use super::sample::TreeSample;
 use super::trajectory::{Stop, Trajectory};
 use crate::estimate::constraint::quantity;
@@ -45,7 +46,7 @@ impl Before {
         starts: &[(f64, TreeState)],
         observer: &mut dyn Observer,
     ) -> Option<Self> {
-        let until = problem.until(event)?;
+        let until = problem.given().until(event)?;
         let mut work = Work::default();
         let mut least: Option<(f64, TreeProblem, TreePoint)> = None;
         for by in CONTINUATIONS {

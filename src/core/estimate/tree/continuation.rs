@@ -1,8 +1,9 @@
 //! The part of the sketch that counts grows from the start, so that no fit has to find more than a part of a whirl.
 
+use super::part::Part;
 use super::point::TreePoint;
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
-use super::program::{Part, TreeProgram};
+use super::program::TreeProgram;
 use super::walk::ROUGHLY;
 use crate::math::random::Random;
 use crate::motion::Observer;

@@ -11,6 +11,8 @@ use crate::motion::{BodyPoint, Condition, GoalSet, Scene, Sketch};
 pub struct TreeGoal {
     /// Index into `Scene::goals`.
     pub goal: usize,
+    /// Which of its conditions.
+    pub part: usize,
     /// Index into `Scene::events`.
     pub event: usize,
     /// Stamp of its event \[s\].
@@ -32,7 +34,7 @@ pub(super) fn goals(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<Tre
     let mut all = Vec::new();
     for (index, goal) in scene.goals.iter().enumerate() {
         let acted_s = |event: usize| sketch.marks_s[event].clamp(span_s[0], span_s[1]);
-        for condition in goal.target.conditions() {
+        for (part, condition) in goal.target.conditions().into_iter().enumerate() {
             // Of a time the link says nothing.
             let place = match condition.quantity.is_time() {
                 true => 0,
@@ -40,10 +42,6 @@ pub(super) fn goals(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<Tre
             };
             let seen_from = condition.quantity.seen_from();
             let other = seen_from.map_or(place, |link| scene.place_of(link));
-            let point_m = match condition.quantity.point() {
-                Some(BodyPoint::Fixed(point_m)) => point_m,
-                _ => Vector3::zeros(),
-            };
             let axes = match &condition.set {
                 GoalSet::Box { lower, upper } => (0..condition.quantity.dimension())
                     .filter(|axis| lower[*axis].is_finite() || upper[*axis].is_finite())
@@ -52,6 +50,7 @@ pub(super) fn goals(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<Tre
             };
             all.push(TreeGoal {
                 goal: index,
+                part,
                 event: goal.event,
                 acted_s: acted_s(goal.event),
                 since: condition.quantity.since().map(|event| StampedEvent {
@@ -59,7 +58,7 @@ pub(super) fn goals(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<Tre
                     acted_s: acted_s(event),
                 }),
                 places: [place, other],
-                point_m,
+                point_m: point_m(&condition),
                 condition,
                 axes,
             });
@@ -69,7 +68,22 @@ pub(super) fn goals(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<Tre
     all
 }
 
+/// The point of the link that a condition is about [m, link axes].
+fn point_m(condition: &Condition) -> Vector3<f64> {
+    match condition.quantity.point() {
+        Some(BodyPoint::Fixed(point_m)) => point_m,
+        _ => Vector3::zeros(),
+    }
+}
+
 impl TreeGoal {
+    /// The same of another scene that differs in values of quantities.
+    pub(super) fn set_from(&mut self, other: &Scene) {
+        let mut conditions = other.goals[self.goal].target.conditions();
+        self.condition = conditions.swap_remove(self.part);
+        self.point_m = point_m(&self.condition);
+    }
+
     /// Number of its rows that must hold: none of one that weighs.
     pub fn row_count(&self) -> usize {
         match self.condition.sd {

@@ -8,11 +8,11 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 
+use super::evaluation::{Evaluation, Told};
 use super::event::TreeEvent;
 use super::goal::TreeGoal;
-use super::point::TreePoint;
 use super::problem::TreeProblem;
-use super::program::{Part, TreeProgram};
+use super::program::TreeProgram;
 use super::rows;
 use super::sample::{Residual, TreeSample};
 use super::trajectory::{Stop, Trajectory, With};
@@ -34,18 +34,21 @@ pub(super) struct Sums {
 }
 
 impl TreeProgram<'_> {
-    /// Evaluates the motion from a node to the next; `each` is told of every sample. Where an impact is undefined the cost is not finite, and rows
+    /// Evaluates the motion from a node to the next. Where an impact is undefined the cost is not finite, and rows
     /// after it are not told.
     pub(super) fn interval(
         &self,
+        of: &Evaluation,
         node: usize,
-        has_derivatives: bool,
-        part: &Part,
-        point: &TreePoint,
         blocks: &mut [Block],
-        each: &mut dyn FnMut(&Residual),
+        told: &mut dyn Told,
     ) -> Sums {
-        let problem = self.problem;
+        let Evaluation {
+            problem,
+            part,
+            point,
+            has_derivatives,
+        } = *of;
         let first_event = problem.events_of(node).start;
         let (width, size) = (problem.width(), problem.interval_size(node));
         let line = &point.time_line(problem);
@@ -60,7 +63,7 @@ impl TreeProgram<'_> {
             hessian: DMatrix::zeros(size, size),
         };
         let mut reached: Option<Stop> = None;
-        for item in self.items(node) {
+        for item in items(problem, node) {
             if item.about_s > part.until_s {
                 if let Some(index) = item.kind.block(problem) {
                     rows::silence(&self.structure.blocks[index], &mut blocks[index]);
@@ -88,7 +91,7 @@ impl TreeProgram<'_> {
                     let valued = |state: &State| {
                         quantity::valued(&sample.quantity, state, None, &sample.point_m)
                     };
-                    let residual = if has_derivatives {
+                    let mut residual = if has_derivatives {
                         let [link] = states([sample.place], &snapshot, &mut links, width);
                         let valued = valued(&link.0);
                         let by = chained(&valued, &[link], &jacobian);
@@ -97,15 +100,17 @@ impl TreeProgram<'_> {
                         let valued = valued(&snapshot.link_state(sample.place));
                         Residual::new(sample, &valued, &Matrix3xX::zeros(0))
                     };
+                    told.sample(node, &mut residual);
                     if problem.errors.is_none() {
                         sums.add(&residual);
                     }
-                    each(&residual);
                 }
                 ItemKind::Goal(index, goal) => {
                     let state = trajectory.state();
-                    let (value, by) =
-                        self.asked(goal, &state, item.event, &snapshot, &mut links, &jacobian);
+                    let (value, mut by) = asked(
+                        problem, goal, item.event, &state, &snapshot, &mut links, &jacobian,
+                    );
+                    told.goal(index, &value, &mut by);
                     let (pattern, block) = self.room(index, blocks);
                     for (row, of) in goal.rows(&value).iter().enumerate() {
                         match goal.condition.sd {
@@ -125,8 +130,17 @@ impl TreeProgram<'_> {
                         sums.cost = f64::NAN;
                         return sums;
                     };
+                    let place = index - problem.events_of(node).start;
                     let count = event.touch_row_count();
-                    rows::touch(&impact, &derivative, count, &jacobian, pattern, block);
+                    rows::touch(
+                        &impact,
+                        &derivative,
+                        count,
+                        place,
+                        &jacobian,
+                        pattern,
+                        block,
+                    );
                     reached = None;
                 }
                 ItemKind::Next(node) => {
@@ -155,102 +169,101 @@ impl TreeProgram<'_> {
         block.reset(pattern);
         (pattern, block)
     }
+}
 
-    /// What happens on an interval, in its order: an event parts what is before it from what is after it, wherever its
-    /// estimated time is.
-    fn items(&self, node: usize) -> Vec<TimedItem<'_>> {
-        let problem = self.problem;
-        let events = problem.events_of(node);
-        let before = |about_s: f64| {
-            let of_interval = problem.events[events.clone()].iter();
-            of_interval.filter(|event| event.about_s <= about_s).count()
-        };
-        let at_stamp = |acted_s: f64, kind| TimedItem {
-            phase: (before(acted_s), 0),
-            about_s: acted_s,
-            event: None,
-            kind,
-        };
-        let is_here = |acted_s: f64| problem.node_of(acted_s) == node;
-        let samples = problem.samples.iter().filter(|of| is_here(of.acted_s));
-        let mut items: Vec<TimedItem> = samples
-            .map(|sample| at_stamp(sample.acted_s, ItemKind::Sample(sample)))
-            .collect();
-        let at_event = |event: usize, kind, rank| TimedItem {
-            phase: (event - events.start, rank),
-            about_s: problem.events[event].about_s,
-            event: Some(event - events.start),
-            kind,
-        };
-        let goals = problem.goals.iter().enumerate();
-        for (index, goal) in goals.filter(|(_, goal)| !goal.is_timed()) {
-            let kind = ItemKind::Goal(index, goal);
-            match problem.event_within(goal) {
-                Some(event) if events.contains(&event) => {
-                    let rank = match goal.condition.moment {
-                        Moment::Before => 1,
-                        Moment::After => 3,
-                    };
-                    items.push(at_event(event, kind, rank));
-                }
-                Some(_) => {}
-                None if is_here(goal.acted_s) => items.push(at_stamp(goal.acted_s, kind)),
-                None => {}
+/// What happens on an interval, in its order: an event parts what is before it from what is after it, wherever its
+/// estimated time is.
+fn items(problem: &TreeProblem, node: usize) -> Vec<TimedItem<'_>> {
+    let events = problem.events_of(node);
+    let before = |about_s: f64| {
+        let of_interval = problem.events[events.clone()].iter();
+        of_interval.filter(|event| event.about_s <= about_s).count()
+    };
+    let at_stamp = |acted_s: f64, kind| TimedItem {
+        phase: (before(acted_s), 0),
+        about_s: acted_s,
+        event: None,
+        kind,
+    };
+    let is_here = |acted_s: f64| problem.node_of(acted_s) == node;
+    let samples = problem.samples.iter().filter(|of| is_here(of.acted_s));
+    let mut items: Vec<TimedItem> = samples
+        .map(|sample| at_stamp(sample.acted_s, ItemKind::Sample(sample)))
+        .collect();
+    let at_event = |event: usize, kind, rank| TimedItem {
+        phase: (event - events.start, rank),
+        about_s: problem.events[event].about_s,
+        event: Some(event - events.start),
+        kind,
+    };
+    let goals = problem.goals.iter().enumerate();
+    for (index, goal) in goals.filter(|(_, goal)| !goal.is_timed()) {
+        let kind = ItemKind::Goal(index, goal);
+        match problem.event_within(goal) {
+            Some(event) if events.contains(&event) => {
+                let rank = match goal.condition.moment {
+                    Moment::Before => 1,
+                    Moment::After => 3,
+                };
+                items.push(at_event(event, kind, rank));
             }
+            Some(_) => {}
+            None if is_here(goal.acted_s) => items.push(at_stamp(goal.acted_s, kind)),
+            None => {}
         }
-        for event in events.clone() {
-            let kind = ItemKind::Event(event, &problem.events[event]);
-            items.push(at_event(event, kind, 2));
-        }
-        if node + 1 < problem.nodes_s.len() {
-            let mut next = at_stamp(problem.interval_s(node)[1], ItemKind::Next(node));
-            next.phase = (events.len(), 1);
-            items.push(next);
-        }
-        items.sort_by(|a, b| {
-            let in_phase = a.about_s.total_cmp(&b.about_s);
-            a.phase.cmp(&b.phase).then(in_phase)
-        });
-        items
     }
+    for event in events.clone() {
+        let kind = ItemKind::Event(event, &problem.events[event]);
+        items.push(at_event(event, kind, 2));
+    }
+    if node + 1 < problem.nodes_s.len() {
+        let mut next = at_stamp(problem.interval_s(node)[1], ItemKind::Next(node));
+        next.phase = (events.len(), 1);
+        items.push(next);
+    }
+    items.sort_by(|a, b| {
+        let in_phase = a.about_s.total_cmp(&b.about_s);
+        a.phase.cmp(&b.phase).then(in_phase)
+    });
+    items
+}
 
-    /// A goal's quantity with its derivative by the interval's unknowns, at a state, at the time of an event of the interval if that
-    /// is unknown.
-    fn asked(
-        &self,
-        goal: &TreeGoal,
-        state: &TreeState,
-        event: Option<usize>,
-        snapshot: &ForestSnapshot,
-        links: &mut [Option<LinkState>],
-        jacobian: &DMatrix<f64>,
-    ) -> (Vector3<f64>, Matrix3xX<f64>) {
-        let width = self.problem.width();
-        let quantity = &goal.condition.quantity;
-        if let GoalQuantity::Angles { count } = quantity {
-            let angles = self.problem.forest.angles_of(goal.places[0]);
-            let [columns, coordinates] = angles.expect("asked of a pin or a universal joint");
-            let mut value = Vector3::zeros();
-            let mut by = Matrix3xX::zeros(jacobian.ncols());
-            for axis in 0..*count {
-                value[axis] = state.coordinates[coordinates.start + axis];
-                by.row_mut(axis)
-                    .copy_from(&jacobian.row(columns.start + axis));
-            }
-            return (value, by);
+/// A goal's quantity with its derivative by the interval's unknowns, at a state, at the time of an event of the interval if that
+/// is unknown.
+fn asked(
+    problem: &TreeProblem,
+    goal: &TreeGoal,
+    event: Option<usize>,
+    state: &TreeState,
+    snapshot: &ForestSnapshot,
+    links: &mut [Option<LinkState>],
+    jacobian: &DMatrix<f64>,
+) -> (Vector3<f64>, Matrix3xX<f64>) {
+    let width = problem.width();
+    let quantity = &goal.condition.quantity;
+    if let GoalQuantity::Angles { count } = quantity {
+        let angles = problem.forest.angles_of(goal.places[0]);
+        let [columns, coordinates] = angles.expect("asked of a pin or a universal joint");
+        let mut value = Vector3::zeros();
+        let mut by = Matrix3xX::zeros(jacobian.ncols());
+        for axis in 0..*count {
+            value[axis] = state.coordinates[coordinates.start + axis];
+            by.row_mut(axis)
+                .copy_from(&jacobian.row(columns.start + axis));
         }
-        let [own, other] = states(goal.places, snapshot, links, width);
-        let other_state = quantity.seen_from().map(|_| &other.0);
-        let valued = quantity::valued(quantity, &own.0, other_state, &goal.point_m);
-        let mut by = chained(&valued, &[own, other], jacobian);
-        if let Some(event) = event {
-            let mut by_time = by.column_mut(width + event);
-            for (by_link, place) in valued.by.iter().zip(goal.places) {
-                by_time += by_link * snapshot.link_carried(place);
-            }
-        }
-        (valued.value, by)
+        return (value, by);
     }
+    let [own, other] = states(goal.places, snapshot, links, width);
+    let other_state = quantity.seen_from().map(|_| &other.0);
+    let valued = quantity::valued(quantity, &own.0, other_state, &goal.point_m);
+    let mut by = chained(&valued, &[own, other], jacobian);
+    if let Some(event) = event {
+        let mut by_time = by.column_mut(width + event);
+        for (by_link, place) in valued.by.iter().zip(goal.places) {
+            by_time += by_link * snapshot.link_carried(place);
+        }
+    }
+    (valued.value, by)
 }
 
 /// What happens at a stop.

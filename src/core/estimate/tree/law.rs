@@ -1,4 +1,6 @@
-//! Which numbers of the law of an impact are unknown.
+//! Which numbers of the law of an impact are unknown, and whether more is than those.
+
+use std::sync::Arc;
 
 use nalgebra::DVector;
 
@@ -48,4 +50,19 @@ impl FreeLaw {
         let all = own.into_iter().chain(tilts);
         all.filter_map(|(parameter, by)| Some((parameter?, by?)))
     }
+}
+
+/// The scene, where it frees more than laws of impacts.
+pub(super) fn freed(scene: &Scene) -> Option<Arc<Scene>> {
+    let mut parameters = scene.parameters.iter();
+    let is_more = parameters.any(|of| !is_of_law(of.quantity));
+    is_more.then(|| Arc::new(scene.clone()))
+}
+
+/// Whether a quantity is of such a law.
+pub(super) fn is_of_law(quantity: Quantity) -> bool {
+    matches!(
+        quantity,
+        Quantity::Restitution { .. } | Quantity::Friction { .. } | Quantity::Tilt { .. }
+    )
 }

@@ -14,7 +14,8 @@ use nalgebra::DVector;
 
 use super::curvature::dense;
 use super::optimum::{Solved, approached, finished};
-use super::program::{Part, TreeProgram};
+use super::part::Part;
+use super::program::TreeProgram;
 use crate::motion::Observer;
 use crate::optimise::{Program, Schedule, Work};
 

@@ -7,9 +7,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::part::Part;
 use super::point::TreePoint;
 use super::problem::{RATE_SD_RAD_S, TreeProblem};
-use super::program::{Part, TreeProgram};
+use super::program::TreeProgram;
 use crate::optimise::Solution;
 
 /// Directions by the unknowns, of one deviation each, the weakest first: those of which

@@ -1,8 +1,9 @@
 //! The optimum near a point.
 
+use super::part::Part;
 use super::point::TreePoint;
 use super::problem::TreeProblem;
-use super::program::{Part, TreeProgram};
+use super::program::TreeProgram;
 use super::time_line::TimeLine;
 use super::walk::EXACTLY;
 use crate::estimate::schedule::recipe::Watched;

@@ -66,6 +66,7 @@ pub fn estimate(
         () if observer.should_stop() => Err(FitUntold::Stopped),
         () => Ok(()),
     };
+    let told = problem.as_told(&solution.point);
     let line = &solution.point.time_line(problem);
     let is_asked =
         line.is_unknown() || !problem.events.is_empty() || !problem.parameters.is_empty();
@@ -88,7 +89,7 @@ pub fn estimate(
     let events: Vec<EventEstimate> = events.collect();
     let motions = match knots.is_empty() {
         true => Motions::default(),
-        false => motions(problem, line, scene, &knots, &events),
+        false => motions(&told, line, scene, &knots, &events),
     };
     let [from_s, to_s] = line.physical_span_s();
     let mut sample_times: Vec<SampleTime> = Vec::new();
@@ -148,7 +149,7 @@ pub fn estimate(
         reason: Reason::from(end),
         doubts: Vec::new(),
         objective: 2.0 * solution.system.cost,
-        gravity_m_s2: problem.gravity_m_s2,
+        gravity_m_s2: told.gravity_m_s2,
         arcs: motions.arcs,
         held: problem.hands.clone(),
         events,

@@ -1,12 +1,14 @@
 //! What is asked of the motion of trees: samples, goals, and where its unknown states are.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::Vector3;
 
 use super::event::{self, TreeEvent};
 use super::goal::{self, TreeGoal};
 use super::hands;
+use super::law::freed;
 use super::sample::{self, TreeSample};
 use super::tempo::Tempo;
 use crate::estimate::problem::unit;
@@ -36,10 +38,13 @@ pub struct TreeProblem {
     pub span_s: [f64; 2],
     /// Of stamps that are no physical times.
     pub tempo: Option<Tempo>,
-    /// What of the laws of impacts is unknown, and cones about tilts.
+    /// What of the scene is unknown, and cones about tilts.
     pub parameters: Vec<FreeParameter>,
     /// See `parameters`.
     pub cones: Vec<Cone>,
+    /// The scene, where more of it is unknown than laws of impacts: this problem has what it says; that of other values is
+    /// [`TreeProblem::at`].
+    pub freed: Option<Arc<Scene>>,
     /// How samples err in time, of places and of turns, in their units; `None` where each errs by itself.
     pub errors: Option<LikelyErrors>,
     /// In order of time.
@@ -66,8 +71,8 @@ impl TreeProblem {
         let goals = goal::goals(scene, sketch, span_s);
         let events = event::events(scene, sketch);
         let weighs = samples.iter().map(|sample| match sample.quantity.unit() {
-            GoalUnit::Metre => (unit::POSITION_M / sample.unit).powi(2),
-            _ => (unit::ORIENTATION_RAD / sample.unit).powi(2),
+            GoalUnit::Metre => (unit::POSITION_M / sample.sd()).powi(2),
+            _ => (unit::ORIENTATION_RAD / sample.sd()).powi(2),
         });
         let least = weighs.clone().fold(f64::INFINITY, f64::min);
         let most = weighs.fold(0.0, f64::max);
@@ -79,6 +84,7 @@ impl TreeProblem {
             tempo: Tempo::of_scene(scene, span_s, &samples),
             parameters: scene.parameters.clone(),
             cones: scene.cones.clone(),
+            freed: freed(scene),
             errors: None,
             samples,
             goals,
@@ -112,7 +118,7 @@ impl TreeProblem {
             }
             None => kept
                 .iter_mut()
-                .for_each(|sample| sample.unit *= share.sqrt()),
+                .for_each(|sample| sample.widened(share.sqrt())),
         }
         Self {
             errors,

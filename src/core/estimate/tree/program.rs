@@ -3,11 +3,13 @@
 
 use std::cell::RefCell;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 
 use super::curvature::{HessianRemainder, dense};
+use super::evaluation::{Evaluation, Slope, Told};
+use super::part::Part;
 use super::point::TreePoint;
-use super::problem::{RATE_SD_RAD_S, TreeProblem};
+use super::problem::TreeProblem;
 use super::rows;
 use super::sample::Residual;
 use super::whitened::WhitenedSums;
@@ -26,28 +28,6 @@ const TIME_LENGTH_S: f64 = 0.03;
 const LOG_PACE_LENGTH: f64 = 0.3;
 /// How far samples are apart of which second derivatives are told \[s\].
 const CURVATURE_S: f64 = 1.0 / 60.0;
-
-/// What of a problem counts.
-#[derive(Clone, Debug)]
-pub struct Part {
-    /// Samples and goals later than this do not \[s\].
-    pub until_s: f64,
-    /// Standard deviation of the rates at the start [rad/s].
-    pub rate_sd_rad_s: f64,
-    /// Of an unknown tempo the standard deviation of the first log-pace from its guess, if any.
-    pub log_pace_sd: Option<f64>,
-}
-
-impl Part {
-    /// All.
-    pub fn whole() -> Self {
-        Self {
-            until_s: f64::INFINITY,
-            rate_sd_rad_s: RATE_SD_RAD_S,
-            log_pace_sd: None,
-        }
-    }
-}
 
 /// A problem for the optimiser.
 pub struct TreeProgram<'a> {
@@ -120,25 +100,35 @@ impl<'a> TreeProgram<'a> {
         system: &mut System,
         each: &mut dyn FnMut(usize, &Residual),
     ) {
-        let problem = self.problem;
         system.cost = 0.0;
         system.gradient.fill(0.0);
         system.hessian.clear();
-        let mut whitened = problem
-            .errors
-            .as_ref()
-            .map(|errors| WhitenedSums::new(problem, errors.processes, has_derivatives));
+        let slopes = match has_derivatives {
+            true => self.slopes(part, point),
+            false => Some(Vec::new()),
+        };
+        let (Some(there), Some(slopes)) = (self.problem.at(point), slopes) else {
+            system.cost = f64::NAN;
+            return;
+        };
+        let problem = &*there;
+        let whitened = problem.errors.as_ref();
+        let mut summed = SummedSamples {
+            slopes: &slopes,
+            parameters: problem.parameters.len(),
+            seen: 0,
+            each,
+            whitened: whitened
+                .map(|errors| WhitenedSums::new(problem, errors.processes, has_derivatives)),
+        };
+        let of = Evaluation {
+            problem,
+            part,
+            point,
+            has_derivatives,
+        };
         for node in 0..problem.nodes_s.len() {
-            let each = &mut |residual: &Residual| {
-                if !residual.sample.is_counted {
-                    return;
-                }
-                each(node, residual);
-                if let Some(whitened) = &mut whitened {
-                    whitened.add(node, residual);
-                }
-            };
-            let sums = self.interval(node, has_derivatives, part, point, &mut system.blocks, each);
+            let sums = self.interval(&of, node, &mut system.blocks, &mut summed);
             system.cost += sums.cost;
             let place = |at: usize| problem.unknown_of(node, at);
             for row in (0..sums.gradient.len()).take_while(|_| has_derivatives) {
@@ -152,8 +142,11 @@ impl<'a> TreeProgram<'a> {
                 }
             }
         }
-        if let Some(whitened) = whitened {
+        if let Some(whitened) = summed.whitened {
             whitened.add_to(&self.structure.pattern, system);
+        }
+        for slope in &slopes {
+            self.fill_slope(slope, system);
         }
         problem.fill_bounds(point, &self.structure.blocks, &mut system.blocks);
         let patterns = &self.structure.blocks;
@@ -161,6 +154,21 @@ impl<'a> TreeProgram<'a> {
             self.pull(row.off, &row.by, 1.0, system);
         }
         self.regularise(part, point, system);
+    }
+
+    /// Adds how the rows of joins and events change with a parameter: those of goals know it.
+    fn fill_slope(&self, slope: &Slope, system: &mut System) {
+        let unknown = self.problem.unknown_of_parameter(slope.parameter);
+        let blocks = self.structure.blocks.iter().zip(&mut system.blocks);
+        let all = blocks.zip(&slope.of.blocks);
+        for ((pattern, block), rows) in all.skip(self.problem.goals.len()) {
+            for (row, change) in rows.iter().enumerate() {
+                let place = pattern.unknowns(row).iter().position(|of| *of == unknown);
+                if let Some(place) = place {
+                    block.derivatives_mut(pattern, row)[place] += change;
+                }
+            }
+        }
     }
 
     /// Hessian of a part's cost.
@@ -289,6 +297,45 @@ impl<'a> TreeProgram<'a> {
                 system
                     .hessian
                     .add(&self.structure.pattern, *row, *column, entry);
+            }
+        }
+    }
+}
+
+/// Samples on their way into sums, with how they change with what is freed.
+struct SummedSamples<'s, 'p> {
+    slopes: &'s [Slope],
+    /// Number of parameters: the last unknowns of an interval.
+    parameters: usize,
+    /// How many samples there were.
+    seen: usize,
+    each: &'s mut dyn FnMut(usize, &Residual),
+    whitened: Option<WhitenedSums<'p>>,
+}
+
+impl Told for SummedSamples<'_, '_> {
+    fn sample(&mut self, node: usize, residual: &mut Residual) {
+        for slope in self.slopes {
+            let column = residual.by.ncols() - self.parameters + slope.parameter;
+            let mut by = residual.by.column_mut(column);
+            by += slope.of.residuals[self.seen];
+        }
+        self.seen += 1;
+        if !residual.sample.is_counted {
+            return;
+        }
+        (self.each)(node, residual);
+        if let Some(whitened) = &mut self.whitened {
+            whitened.add(node, residual);
+        }
+    }
+
+    fn goal(&mut self, goal: usize, _value: &Vector3<f64>, by: &mut Matrix3xX<f64>) {
+        for slope in self.slopes {
+            if let Some(change) = slope.of.goals[goal] {
+                let column = by.ncols() - self.parameters + slope.parameter;
+                let mut by = by.column_mut(column);
+                by += change;
             }
         }
     }

@@ -3,8 +3,9 @@
 use super::continuation::Continued;
 use super::modes::walked;
 use super::optimum::{Solved, finished};
+use super::part::Part;
 use super::problem::TreeProblem;
-use super::program::{Part, TreeProgram};
+use super::program::TreeProgram;
 use super::solve::{CONTINUATIONS, in_one, likeliest, swept};
 use crate::math::random::Random;
 use crate::motion::Observer;
@@ -39,10 +40,11 @@ pub fn rival(
     observer: &mut dyn Observer,
 ) -> RivalOutcome {
     let mut work = Work::default();
+    let given = &*problem.given();
     let times = |share: f64| best.map_or(f64::INFINITY, |best| share * best.cost());
     let random = &mut Random::default();
     let mut ways = likeliest(
-        problem,
+        given,
         starts,
         CONTINUATIONS[0],
         random,
@@ -53,22 +55,22 @@ pub fn rival(
     let (mut is_worse, mut is_lost) = (false, false);
     let mut warm = best;
     loop {
-        let (problem, point) = match (ways.is_empty(), warm.take()) {
+        let (there, point) = match (ways.is_empty(), warm.take()) {
             (false, kept) => {
                 warm = kept;
                 ways.remove(0)
             }
-            (true, Some(best)) => swept(moved(problem, best), &mut work, observer),
+            (true, Some(best)) => swept(moved(given, best), &mut work, observer),
             (true, None) => break,
         };
-        let program = TreeProgram::new(&problem, point.clone());
-        let there = program.evaluated(&Part::whole(), &point);
-        if there.cost > times(WORSE) && there.violation() <= NEARLY {
+        let program = TreeProgram::new(&there, point.clone());
+        let near = program.evaluated(&Part::whole(), &point);
+        if near.cost > times(WORSE) && near.violation() <= NEARLY {
             is_worse = true;
             continue;
         }
         let at_once = Schedule::default().from_the_last();
-        let solved = finished(&problem, &point, &at_once, &mut work, observer);
+        let solved = finished(&there, &point, &at_once, &mut work, observer);
         if !solved.solution.finished.converged || solved.is_far() {
             is_lost = true;
             continue;
@@ -77,7 +79,7 @@ pub fn rival(
         if solved.cost() <= times(NEAR) {
             solved = walked(solved, &mut work, observer);
         }
-        return RivalOutcome::Solved(Box::new(solved));
+        return RivalOutcome::Solved(Box::new(solved.let_go(problem, observer)));
     }
     match is_worse && !is_lost && !observer.should_stop() {
         true => RivalOutcome::Worse,

@@ -48,11 +48,13 @@ pub(super) fn silence(pattern: &BlockPattern, block: &mut Block) {
     }
 }
 
-/// Approach of an impact's contacts, and their gaps where those have rows: they come nearer, and touch.
+/// Approach of an impact's contacts, and their gaps where those have rows: they come nearer, and touch. Its time is that of one
+/// of the interval's events.
 pub(super) fn touch(
     impact: &TreeImpact,
     derivative: &TreeImpactDerivative,
     count: usize,
+    event: usize,
     jacobian: &DMatrix<f64>,
     pattern: &BlockPattern,
     block: &mut Block,
@@ -62,9 +64,16 @@ pub(super) fn touch(
     let gaps = impact.gaps_m.iter().zip(&derivative.gaps);
     let gaps = gaps.map(|(value, by)| (value, by, unit::POSITION_M));
     block.bounds[..speeds.len()].fill((f64::NEG_INFINITY, 0.0));
+    let carried = derivative.carried.iter();
+    let carried: Vec<f64> = carried
+        .flat_map(|of| of.speeds.iter().chain(&of.gaps).copied())
+        .collect();
     for (row, (value, by, unit)) in speeds.chain(gaps).enumerate().take(count) {
         block.values[row] = value / unit;
-        let chained = jacobian.tr_mul(by) / unit;
+        let mut chained = jacobian.tr_mul(by) / unit;
+        if let Some(carried) = carried.get(row) {
+            chained[jacobian.nrows() + event] += carried / unit;
+        }
         let entries = block.derivatives_mut(pattern, row);
         entries.copy_from_slice(chained.as_slice());
     }

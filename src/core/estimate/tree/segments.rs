@@ -37,8 +37,9 @@ impl TreeProblem {
             return to_s;
         }
         let state = self.state_at(point, from_s);
-        let line = &point.time_line(self);
-        let mut errors = GrowingErrors::new(self, line, point, &state, line.time_s(from_s));
+        let this = &*self.as_told(point);
+        let line = &point.time_line(this);
+        let mut errors = GrowingErrors::new(this, line, point, &state, line.time_s(from_s));
         let too_far = times_s
             .iter()
             .position(|time_s| errors.continued(line.time_s(*time_s)) > FURTHER);
@@ -80,8 +81,9 @@ impl TreeProblem {
         let (from_s, from) = (*self.nodes_s.last()?, point.nodes.last()?);
         let after = |time_s: &f64| *time_s > from_s && *time_s <= until_s;
         let times_s: Vec<f64> = self.sample_stamps_s().into_iter().filter(after).collect();
-        let line = &point.time_line(self);
-        let mut errors = GrowingErrors::new(self, line, point, from, line.time_s(from_s));
+        let this = &*self.as_told(point);
+        let line = &point.time_line(this);
+        let mut errors = GrowingErrors::new(this, line, point, from, line.time_s(from_s));
         let at = times_s
             .iter()
             .position(|time_s| errors.continued(line.time_s(*time_s)) > ON_AN_INTERVAL)?;
@@ -91,9 +93,10 @@ impl TreeProblem {
 
     /// By how much errors grow from the first node to the end.
     pub(super) fn errors_grown(&self, point: &TreePoint) -> f64 {
-        let line = &point.time_line(self);
+        let this = &*self.as_told(point);
+        let line = &point.time_line(this);
         let [from_s, to_s] = line.physical_span_s();
-        let mut errors = GrowingErrors::new(self, line, point, &point.nodes[0], from_s);
+        let mut errors = GrowingErrors::new(this, line, point, &point.nodes[0], from_s);
         errors.continued(to_s)
     }
 
@@ -107,10 +110,11 @@ impl TreeProblem {
     /// The state at a stamp \[s\], from the node before it.
     pub(super) fn state_at(&self, point: &TreePoint, time_s: f64) -> TreeState {
         let node = self.node_of(time_s);
-        let line = &point.time_line(self);
+        let this = &*self.as_told(point);
+        let line = &point.time_line(this);
         let [from_s, to_s] = [self.nodes_s[node], time_s].map(|of| line.time_s(of));
-        let mut trajectory = Trajectory::plain(self, line, &point.nodes[node], from_s);
-        self.follow(point, from_s, to_s, &mut trajectory);
+        let mut trajectory = Trajectory::plain(this, line, &point.nodes[node], from_s);
+        this.follow(point, from_s, to_s, &mut trajectory);
         trajectory.state()
     }
 }

@@ -9,9 +9,10 @@ use super::continuation::{
 };
 use super::modes::walked;
 use super::optimum::{Solved, approached, finished};
+use super::part::Part;
 use super::point::TreePoint;
 use super::problem::TreeProblem;
-use super::program::{Part, TreeProgram};
+use super::program::TreeProgram;
 use super::walk::ROUGHLY;
 use crate::math::random::Random;
 use crate::motion::{Observer, Phase};
@@ -48,6 +49,14 @@ const LIKELIEST: usize = 2;
 /// tempo to one that is far from the samples, slower continuation is tried, then growing from other rates at random, then with further
 /// nodes, and at last multiplier rounds from where the first ones led.
 pub fn solve(
+    problem: &TreeProblem,
+    starts: &[(f64, TreeState)],
+    observer: &mut dyn Observer,
+) -> Solved {
+    found(&problem.given(), starts, observer).let_go(problem, observer)
+}
+
+fn found(
     problem: &TreeProblem,
     starts: &[(f64, TreeState)],
     observer: &mut dyn Observer,

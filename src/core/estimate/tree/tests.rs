@@ -4,9 +4,10 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use typed_index_collections::TiVec;
 
 use super::curvature::HessianRemainder;
+use super::part::Part;
 use super::point::TreePoint;
 use super::problem::TreeProblem;
-use super::program::{Part, TreeProgram};
+use super::program::TreeProgram;
 use super::time_line::TimeLine;
 use crate::config::scene_from_toml;
 use crate::estimate::wander::likelihood::LikelyErrors;
@@ -72,22 +73,26 @@ fn derivatives_are_those_of_differences() {
     }
 }
 
-/// Rods that hang from a hand that swings, with a waypoint within a step: derivatives by its time and by the states of
-/// three nodes.
+/// Rods that hang from a hand that swings, with a waypoint within a step and an impact: derivatives by their times and by the
+/// states of three nodes.
 #[test]
 fn derivatives_in_a_hand_are_those_of_differences() {
     let text = include_str!("../../../../config/chain.toml");
     let (before, after) = text.split_at(text.find("[[event]]\nname = \"end\"").expect("an end"));
-    let way = "[[event]]\nname = \"by\"\nkind = \"waypoint\"\nbody = \"rod 2\"\n\n";
+    let way = "[[event]]\nname = \"by\"\nkind = \"waypoint\"\nbody = \"rod 2\"\n\n\
+        [[surface]]\nname = \"table\"\npoint_mm = [0, 0, -300]\nnormal = [0, 0, 1]\n\n\
+        [[event]]\nname = \"hit\"\nkind = \"collision\"\nbody = \"rod 3\"\nfeature = \"end\"\nsurface = \"table\"\nrestitution = 0.4\nfriction = 0.2\n\n";
     let asked = "\n[[goal]]\nevent = \"by\"\nbody = \"rod 2\"\nposition_mm = [100, 200, 300]\nvelocity_m_s = [1, 2, 3]\n\n\
         [[goal]]\nevent = \"by\"\nbody = \"rod 3\"\norientation_wxyz = [1, 0, 0, 0]\nspin_rad_s = [1, 2, 3]\n";
     let hand = "\n[[body]]\nname = \"hand\"\nheld = true\nshape = { kind = \"sphere\", radius_mm = 20 }\ntracker = {}\n\n\
         [[joint]]\nname = \"held\"\nkind = \"ball\"\nparent = \"hand\"\nparent_at_mm = [10, 20, -30]\nchild = \"rod 1\"\nchild_at_mm = [0, 0, 80]\n";
+    let features = "mass_g = 100\nfeatures_mm = { end = [0, 0, -100] }\n";
     let text = before.to_owned() + way + after + asked + hand;
+    let text = text.replace("mass_g = 100\n", features);
     let scene = scene_from_toml(&text).expect("a valid scene");
     let mut sketch = sketch(&scene);
-    sketch.marks_s = vec![0.0, 0.044, 0.1];
-    sketch.marks = vec![None; 3];
+    sketch.marks_s = vec![0.0, 0.044, 0.073, 0.1];
+    sketch.marks = vec![None; 4];
     sketch.marks[1] = Some(MarkTime {
         acted_s: 0.044,
         sd_s: 0.01,
@@ -295,6 +300,43 @@ quantity = "again.restitution"
             let nodes = vec![some_state(&problem); problem.nodes_s.len()];
             let mut point = TreePoint::new(&problem, nodes);
             point.parameters = vec![0.45, 0.15, 0.02, -0.05, 0.35];
+            check(&problem, &point);
+        }
+    }
+}
+
+/// What else of the scene is free: of all kinds that act on flows, rows of goals and events, and samples.
+#[test]
+fn derivatives_by_what_is_freed_are_those_of_differences() {
+    const FREE: &str = r#"
+[[free]]
+quantity = "gravity.x"
+
+[[free]]
+quantity = "hit.restitution"
+
+[[free]]
+quantity = "rod 2.mass"
+prior_sd = 0.1
+
+[[free]]
+quantity = "rod 2.centre.z"
+
+[[free]]
+quantity = "table.height"
+"#;
+    for (stamps, errors) in [
+        ("\"physical\"", None),
+        ("\"tempo\"", Some(LikelyErrors::EXPECTED)),
+    ] {
+        let mut problem = struck(&format!("{stamps}{FREE}"));
+        assert!(problem.freed.is_some());
+        problem.errors = errors;
+        for nodes_s in [vec![0.0], vec![0.0, 0.03, 0.05]] {
+            problem.nodes_s = nodes_s;
+            let nodes = vec![some_state(&problem); problem.nodes_s.len()];
+            let mut point = TreePoint::new(&problem, nodes);
+            point.parameters = vec![0.3, 0.35, 1.2, 0.004, -0.01];
             check(&problem, &point);
         }
     }
@@ -530,7 +572,12 @@ fn check(problem: &TreeProblem, point: &TreePoint) {
     assert_eq!(trial.gradient, here.gradient);
     // Times move within what is smooth about them.
     let times = problem.unknown_of_event(0)..problem.unknown_of_event(problem.events.len());
-    let length = |column: usize| if times.contains(&column) { 0.05 } else { 1.0 };
+    let first = problem.unknown_of_parameter(0);
+    let length = |column: usize| match column.checked_sub(first) {
+        Some(parameter) => problem.parameters[parameter].quantity.typical(),
+        None if times.contains(&column) => 0.05,
+        None => 1.0,
+    };
     let values = |delta: &[f64]| {
         let mut moved = point.clone();
         let step = DVector::from_fn(size, |at, _| length(at) * delta[at]);
@@ -547,7 +594,8 @@ fn check(problem: &TreeProblem, point: &TreePoint) {
         here.along(of.structure(), &step, &mut along);
         along.insert(0, here.gradient[column]);
         for (row, given) in along.iter().enumerate() {
-            let error = (numeric[row][column] / length(column) - given).abs() / (1.0 + given.abs());
+            let given = length(column) * given;
+            let error = (numeric[row][column] - given).abs() / (1.0 + given.abs());
             assert!(error < 1e-6, "{row} {column}: {error}");
         }
     }

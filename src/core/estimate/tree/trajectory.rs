@@ -5,7 +5,7 @@
 //! nodes where the [tempo](super::tempo) is unknown. An impact's derivative follows; where
 //! the rates jump, what came before is put into one matrix and the flow begins anew.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::law::FreeLaw;
 use super::problem::TreeProblem;
@@ -70,6 +70,8 @@ pub(super) struct Trajectory<'t> {
     by_unknowns: Option<DMatrix<f64>>,
     /// Derivative of the flow since then.
     by_begin: DMatrix<f64>,
+    /// How the state went on there, where a hand moves: elsewhere the flow leads that to how it goes on now.
+    begun_rate: Option<DVector<f64>>,
 }
 
 impl<'t> Trajectory<'t> {
@@ -140,6 +142,7 @@ impl<'t> Trajectory<'t> {
             size: 0,
             by_unknowns: None,
             by_begin: DMatrix::zeros(0, 0),
+            begun_rate: None,
         }
     }
 
@@ -185,13 +188,15 @@ impl<'t> Trajectory<'t> {
             With::Tempo(_) => self.line.is_unknown(),
         };
         if stops.iter().any(|(with, _)| moves(with)) {
-            let rate = self.flow.rate();
+            let now = self.flow.rate();
+            let begun = self.begun_rate.as_ref().map(|rate| &self.by_begin * rate);
+            let rates = [begun.as_ref().unwrap_or(&now), &now];
             let width = self.problem.width();
-            let mut add = |at: usize, by: f64| {
-                let mut column = by_unknowns.column_mut(width + at);
-                column.axpy(by, &rate, 1.0);
-            };
-            for (with, sign) in stops {
+            for ((with, sign), rate) in stops.into_iter().zip(rates) {
+                let mut add = |at: usize, by: f64| {
+                    let mut column = by_unknowns.column_mut(width + at);
+                    column.axpy(by, rate, 1.0);
+                };
                 match with {
                     With::Nothing => {}
                     With::Event(event) => add(event, sign),
@@ -220,6 +225,11 @@ impl<'t> Trajectory<'t> {
         let freedoms = self.problem.forest.freedoms();
         let rates = &derivative.rates * &by_unknowns;
         by_unknowns.rows_mut(freedoms, freedoms).copy_from(&rates);
+        if let (Some(carried), With::Event(event)) = (&derivative.carried, self.now.with) {
+            let mut column = by_unknowns.column_mut(self.problem.width() + event);
+            let mut rates = column.rows_mut(freedoms, freedoms);
+            rates += &carried.rates;
+        }
         let first = self.size - self.problem.parameters.len();
         for (parameter, by) in free.rates_by(&derivative) {
             let mut column = by_unknowns.column_mut(first + parameter);
@@ -252,5 +262,8 @@ impl<'t> Trajectory<'t> {
         };
         self.flow.begin(&after, self.has_derivatives);
         self.begun = self.now;
+        if self.has_derivatives && self.problem.forest.is_in_hand() {
+            self.begun_rate = Some(self.flow.rate());
+        }
     }
 }

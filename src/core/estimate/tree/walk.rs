@@ -28,10 +28,11 @@ impl TreeProblem {
     /// the one after.
     pub(super) fn knots(&self, point: &TreePoint) -> Vec<TreeKnot> {
         let mut knots = Vec::new();
-        let line = &point.time_line(self);
+        let this = &*self.as_told(point);
+        let line = &point.time_line(this);
         for (node, state) in point.nodes.iter().enumerate() {
             let [from_s, to_s] = self.interval_s(node).map(|end_s| line.time_s(end_s));
-            let mut trajectory = Trajectory::plain(self, line, state, from_s);
+            let mut trajectory = Trajectory::plain(this, line, state, from_s);
             let mut knot = |time_s: f64, state: TreeState| knots.push(TreeKnot { time_s, state });
             knot(from_s, state.clone());
             let mut times_s: Vec<f64> = self.samples.iter().map(|sample| sample.acted_s).collect();
@@ -53,7 +54,7 @@ impl TreeProblem {
                     let event_s = point.event_times_s[event];
                     trajectory.advance(Stop::known(event_s));
                     knot(event_s, trajectory.state());
-                    if self.pass(event, point, &mut trajectory) {
+                    if this.pass(event, point, &mut trajectory) {
                         knot(event_s, trajectory.state());
                     }
                 }
@@ -111,7 +112,8 @@ impl TreeProblem {
             step_s: 0.5 * self.step_s,
             ..self.clone()
         };
-        let mut snapshot = ForestSnapshot::new(&self.forest, &self.gravity_m_s2);
+        let this = &*self.as_told(point);
+        let mut snapshot = ForestSnapshot::new(&this.forest, &this.gravity_m_s2);
         let mut places_m = |problem: &Self| -> Vec<Vector3<f64>> {
             let mut places_m = Vec::new();
             for knot in problem.knots(point) {
@@ -137,10 +139,11 @@ impl TreeProblem {
         until_s: f64,
         [most_s, turn_rad]: [f64; 2],
     ) -> f64 {
-        let line = &point.time_line(self);
+        let this = &*self.as_told(point);
+        let line = &point.time_line(this);
         let [begin_s, last_s] = line.physical_span_s();
         let most_s = most_s.min(self.forest.smooth_s(begin_s));
-        let mut trajectory = Trajectory::plain(self, line, &point.nodes[0], begin_s);
+        let mut trajectory = Trajectory::plain(this, line, &point.nodes[0], begin_s);
         let mut events = (0..self.events.len()).peekable();
         let mut fastest_rad_s: f64 = 0.0;
         let mut now_s = begin_s;
@@ -158,7 +161,7 @@ impl TreeProblem {
             now_s += step_s(fastest_rad_s).min(end_s - now_s);
             while let Some(event) = events.next_if(|of| point.event_times_s[*of] <= now_s) {
                 trajectory.step(point.event_times_s[event]);
-                self.pass(event, point, &mut trajectory);
+                this.pass(event, point, &mut trajectory);
             }
             trajectory.step(now_s);
         }

@@ -103,6 +103,7 @@ impl TreeProblem {
             let last_s = last_s.entry((sample.track, sample.kind()));
             let last_s = last_s.or_insert(f64::NEG_INFINITY);
             let is_next = sample.acted_s >= *last_s + APART_S;
+            sample.whitening = None;
             sample.is_counted = is_next && (from_s..=to_s).contains(&time_s);
             if sample.is_counted {
                 *last_s = sample.acted_s;

@@ -140,6 +140,13 @@ impl Scene {
         for track in self.tracks.iter_mut().filter(|track| track.link == link) {
             track.link_from_tracker = new_from_old * track.link_from_tracker;
         }
+        for mechanism in &mut self.mechanisms {
+            if let Mechanism::Tree(tree) = mechanism {
+                for joint in &mut tree.joints {
+                    joint.move_centre(link, &by_m);
+                }
+            }
+        }
         for goal in &mut self.goals {
             match &mut goal.target {
                 GoalTarget::Pose { world_from_body } if goal.link == link => {

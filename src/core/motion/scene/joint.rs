@@ -48,6 +48,16 @@ impl Joint {
         pose.translation.vector[axis] = at_m;
     }
 
+    /// Keeps it where it is on a link whose axes move with its centre of mass [m, link axes].
+    pub(super) fn move_centre(&mut self, link: LinkIndex, by_m: &Vector3<f64>) {
+        if self.parent == Some(link) {
+            self.joint.parent_from_joint.translation.vector -= by_m;
+        }
+        if self.child == link {
+            self.joint.link_from_joint.translation.vector -= by_m;
+        }
+    }
+
     /// Axes about which turning the joint in both that it ties makes another joint of it [joint axes, unit length]:
     /// those across a pin, any three of a universal joint, none of a ball.
     pub fn turns(&self) -> Vec<Vector3<f64>> {

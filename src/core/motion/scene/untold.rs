@@ -99,7 +99,7 @@ impl Scene {
             }
             Quantity::Mass { link } => unless(self.met_by(link).len() > 1, Untold::MassCancels),
             Quantity::Moment { link, .. } => unless(
-                self.collides(link) || !self.is_round(link),
+                self.collides(link) || !self.is_round(link) || self.is_joined(link),
                 Untold::MomentCancels,
             ),
             Quantity::TrackerOrientation { track, .. } => {
@@ -200,7 +200,7 @@ impl Scene {
         let links = self.links.keys();
         let moments = links
             .clone()
-            .filter(|link| !self.collides(*link))
+            .filter(|link| !self.collides(*link) && !self.is_joined(*link))
             .map(|link| {
                 let axes = self.links[link].moment_axes();
                 let all = axes.map(|axis| Quantity::Moment { link, axis });
@@ -276,23 +276,32 @@ impl Scene {
             .any(|c| c.links().any(|other| other == link))
     }
 
-    /// Whether something fixes the link's own axes: what it touches, or a goal of its pose.
+    /// Whether something fixes the link's own axes: what it touches, a goal of its pose, or a joint.
     fn has_own_axes(&self, link: LinkIndex) -> bool {
         let mut goals = self.goals.iter();
         let has_goal =
             goals.any(|goal| goal.link == link && matches!(goal.target, GoalTarget::Pose { .. }));
-        has_goal || self.collides(link)
+        has_goal || self.collides(link) || self.is_joined(link)
     }
 
     fn is_round(&self, link: LinkIndex) -> bool {
         self.links[link].body.symmetry() == Symmetry::Spherical
     }
 
-    /// The links that a link meets, directly or by way of others that an impact deflects, and itself.
+    /// Whether joints tie the link to anything.
+    fn is_joined(&self, link: LinkIndex) -> bool {
+        self.joint_tree(self.mechanism_of(link)).is_some()
+    }
+
+    /// The links that a link meets or is joined to, directly or by way of others, and itself.
     fn met_by(&self, link: LinkIndex) -> Vec<LinkIndex> {
         let mut met = vec![link];
         let mut next = 0;
         while next < met.len() {
+            if let Some(tree) = self.joint_tree(self.mechanism_of(met[next])) {
+                let new = tree.links().filter(|other| !met.contains(other));
+                met.extend(new.collect::<Vec<_>>());
+            }
             for collision in self.collisions() {
                 let links = collision.links().filter(|link| !self.is_held(*link));
                 let links: Vec<LinkIndex> = links.collect();

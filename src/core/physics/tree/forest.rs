@@ -57,6 +57,11 @@ impl Forest {
         &self.trees
     }
 
+    /// Whether any of them hangs from a hand.
+    pub fn is_in_hand(&self) -> bool {
+        self.trees.iter().any(Tree::is_in_hand)
+    }
+
     /// Number of links.
     pub fn link_count(&self) -> usize {
         self.begins[self.trees.len()].link

@@ -127,7 +127,7 @@ impl TriedField<'_> {
         observer: &mut dyn Observer,
     ) -> Tried {
         let found = verify::joined::check_until(
-            &scene,
+            &scene.as_estimated(&estimate),
             self.sketch,
             self.marks_made_s,
             &estimate,

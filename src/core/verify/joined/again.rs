@@ -25,11 +25,9 @@ pub(super) struct Off {
     pub(super) energy: f64,
 }
 
-/// Distances of the estimate from the motion done again. What is not finite, or not there, is infinitely far.
+/// Distances of the estimate from the motion done again, in its scene as estimated. What is not finite, or not there, is infinitely far.
 pub(super) fn off(scene: &Scene, estimate: &Estimate) -> Off {
     let mut off = Off::default();
-    // With the laws of impacts that were found.
-    let scene = &scene.as_estimated(estimate);
     // All trees have their states at the same times, two at that of an impact.
     let motion = estimate.trees.first();
     let Some((motion, [first, rest @ ..])) = motion.map(|of| (of, of.knots.as_slice())) else {
@@ -70,7 +68,10 @@ pub(super) fn off(scene: &Scene, estimate: &Estimate) -> Off {
             }
             off.pulls
                 .extend(pull::of(event, &impact.normal_impulses_n_s));
-            off.energy = larger(off.energy, gained_j / before_j);
+            // A hand does work on what hangs from it while that hits something.
+            if estimate.held.is_empty() {
+                off.energy = larger(off.energy, gained_j / before_j);
+            }
             flow.begin(&after, false);
         }
         let interval_s = knot.time_s - now_s;

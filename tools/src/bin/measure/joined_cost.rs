@@ -6,7 +6,8 @@ mod show;
 use std::hint::black_box;
 
 use anyhow::Result;
-use enact::estimate::tree::program::{Part, TreeProgram};
+use enact::estimate::tree::part::Part;
+use enact::estimate::tree::program::TreeProgram;
 use enact::estimate::tree::{EXACTLY, TreePoint, TreeProblem};
 use enact::optimise::Program;
 use enact::physics::tree::tableau::DORMAND_PRINCE;

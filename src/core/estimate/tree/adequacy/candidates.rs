@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::linear::{Linear, LinearChange};
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::TreeProblem;
-use crate::motion::{ContactLawIndex, GoalUnit, JointEnd, Mechanism, Quantity, Scene};
+use crate::motion::{ContactLawIndex, JointEnd, Mechanism, Quantity, Scene};
 use crate::optimise::active::ActiveSet;
 
 /// Share of a typical change by which a quantity is moved to tell how residuals change.
@@ -73,31 +73,8 @@ pub(super) fn change(
         ..problem.clone()
     };
     let at = |value: f64| {
-        let with = rough.with(scene, (quantity, value))?;
+        let with = rough.with(scene, &[(quantity, value)])?;
         Linear::without_derivatives(&with, point, active)
     };
     Some(Linear::change(&at(before)?, &at(after)?, after - before))
-}
-
-impl TreeProblem {
-    /// The same problem where a quantity of the scene has this value; `None` where no body is so, or no impact: at
-    /// several contacts there is no friction.
-    pub(super) fn with(&self, scene: &Scene, value: (Quantity, f64)) -> Option<Self> {
-        let other = scene.with_values(&[value]).ok()?;
-        let mut with = self.clone();
-        with.forest = other.forest_with(&self.hands);
-        with.gravity_m_s2 = other.gravity_m_s2;
-        for event in &mut with.events {
-            if event.touch.is_some() {
-                event.touch = Some(other.tree_touch(event.event)?);
-            }
-        }
-        for sample in &mut with.samples {
-            if sample.quantity.unit() == GoalUnit::Metre {
-                let [before, after] = [scene, &other].map(|of| of.tracks[sample.track].point_m());
-                sample.point_m += after - before;
-            }
-        }
-        Some(with)
-    }
 }

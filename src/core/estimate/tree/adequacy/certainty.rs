@@ -2,7 +2,8 @@
 //! unknowns.
 //!
 //! Along a basis `Z` of what rows leave free the information is `A = (J Z)ᵀ V⁻¹ J Z`, with the errors' covariance `V`, so that
-//! `m·u` has the variance `(Zᵀ m)ᵀ A⁻¹ Zᵀ m`.
+//! `m·u` has the variance `(Zᵀ m)ᵀ A⁻¹ Zᵀ m`. A motion that was found with each sample by itself is less certain: what moves it
+//! is `y = J Z ((J Z)ᵀ J Z)⁻¹ Zᵀ m` of all errors, and the variance is `yᵀ V y`.
 
 use nalgebra::DVector;
 
@@ -34,6 +35,11 @@ impl<'s> Certainty<'s> {
         let variance = free.dot(&answer);
         let held = REGULARISER * self.of.problem.information.0 * answer.norm_squared();
         // Written so that what is no number is not told.
-        (held <= REGULARISER_MOST * variance).then(|| variance.max(0.0).sqrt())
+        let is_told = held <= REGULARISER_MOST * variance;
+        let variance = match &self.of.problem.errors {
+            Some(_) => variance,
+            None => self.of.spread(&free)?,
+        };
+        is_told.then(|| variance.max(0.0).sqrt())
     }
 }

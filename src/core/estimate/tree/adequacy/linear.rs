@@ -13,9 +13,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::estimate::tree::part::Part;
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::{RATE_SD_RAD_S, TreeProblem};
-use crate::estimate::tree::program::{Part, REGULARISER, TreeProgram};
+use crate::estimate::tree::program::{REGULARISER, TreeProgram};
 use crate::estimate::tree::sample::Residual;
 use crate::estimate::wander::series::Series;
 use crate::math::span::Span;
@@ -99,6 +100,7 @@ impl Linear {
         let mut series: Vec<Series> = Vec::new();
         let (mut values, mut derivatives) = (Vec::new(), Vec::new());
         let mut each = |node: usize, residual: &Residual| {
+            let residual = residual.in_units();
             let sample = residual.sample;
             let kind = sample.kind();
             let is_of = |of: &Series| (of.track, of.kind) == (sample.track, kind);

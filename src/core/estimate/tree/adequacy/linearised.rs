@@ -11,6 +11,7 @@ use crate::estimate::tree::problem::TreeProblem;
 use crate::estimate::tree::program::REGULARISER;
 use crate::estimate::wander::likelihood::{FittedErrors, LikelyErrors, NoiseAlone, Restricted};
 use crate::estimate::wander::series::SeriesRows;
+use crate::estimate::wander::spread::spread;
 use crate::optimise::Solution;
 use crate::optimise::active::ActiveSet;
 
@@ -56,13 +57,34 @@ impl<'s> Linearised<'s> {
 
     /// Whether noise alone does not explain the residuals.
     pub(in crate::estimate::tree) fn shows_hand(&self) -> bool {
+        self.alone().is_some_and(|alone| !alone.explains())
+    }
+
+    /// The likeliest noise where nothing strays.
+    fn alone(&self) -> Option<NoiseAlone> {
         let columns = self.columns(&[]);
         let (rows, priors) = self.rows(&columns);
-        let restricted = self.restricted(&rows, &priors);
-        let alone = self
-            .told()
-            .and_then(|told| NoiseAlone::of(&restricted, told));
-        alone.is_some_and(|alone| !alone.explains())
+        NoiseAlone::of(&self.restricted(&rows, &priors), self.told()?)
+    }
+
+    /// Variance that errors give to a sum of what rows leave free, of a motion that was found with each sample by itself. They are
+    /// noise where that explains them.
+    pub(super) fn spread(&self, sum: &DVector<f64>) -> Option<f64> {
+        let free = &self.held.free;
+        let mut information = free.tr_mul(free);
+        for at in 0..free.ncols() {
+            information[(at, at)] += REGULARISER * self.problem.information.0;
+        }
+        let answer = free * information.cholesky()?.solve(sum);
+        let alone = self.alone().filter(NoiseAlone::explains);
+        let errors = match &alone {
+            Some(alone) => &alone.fitted.errors,
+            None => &self.told()?.errors,
+        };
+        let first = self.linear.sample_rows();
+        let priors = answer.rows(first, answer.len() - first).norm_squared();
+        let columns = DMatrix::from_columns(&[answer]);
+        Some(spread(&self.linear.series, &columns, &errors.processes)[(0, 0)] + priors)
     }
 
     /// Derivatives along what rows leave free, then further columns, then residuals.

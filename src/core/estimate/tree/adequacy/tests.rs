@@ -5,9 +5,10 @@ use nalgebra::{DVector, Vector3};
 use super::candidates::{STEP, candidates, change};
 use super::linear::Linear;
 use crate::config::scene_from_toml;
+use crate::estimate::tree::part::Part;
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::TreeProblem;
-use crate::estimate::tree::program::{Part, TreeProgram};
+use crate::estimate::tree::program::TreeProgram;
 use crate::math::differentiate;
 use crate::math::random::Random;
 use crate::motion::{MarkTime, Quantity, Sample, Scene, Seen, Sketch, Stamp, TrackSketch};
@@ -164,7 +165,7 @@ fn changes_by_quantities_are_those_of_extrapolated_differences() {
         .expect("a motion");
         let given: Vec<f64> = given.residuals.iter().chain(&given.rows).copied().collect();
         let at = |by: &[f64]| {
-            let with = problem.with(&scene, (quantity, value + by[0] * typical));
+            let with = problem.with(&scene, &[(quantity, value + by[0] * typical)]);
             let linear = Linear::new(&with.expect("a scene"), &point, &active).expect("a motion");
             linear
                 .residuals
@@ -227,7 +228,7 @@ fn a_linearised_motion_is_what_the_program_evaluates() {
     let share = 1e-5;
     let moved = |by_quantity: f64| {
         let value = scene.value_of(quantity) + by_quantity;
-        let with = problem.with(&scene, (quantity, value)).expect("a scene");
+        let with = problem.with(&scene, &[(quantity, value)]).expect("a scene");
         let mut there = point.clone();
         point.retract(&problem, &(held.follow(&by) * by_quantity), &mut there);
         Linear::new(&with, &there, &active).expect("a motion")

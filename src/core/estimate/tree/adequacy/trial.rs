@@ -90,7 +90,7 @@ impl TreeTrials<'_> {
             cost + ROWS * information.1 * off
         };
         let mut point = of.point.clone();
-        let there = problem.with(scene, (quantity, value))?;
+        let there = problem.with(scene, &[(quantity, value)])?;
         let mut linear = Linear::new(&there, &point, active)?;
         let mut by = change(scene, problem, &point, active, quantity, value, step)?;
         for _ in 0..STEPS {
@@ -103,7 +103,7 @@ impl TreeTrials<'_> {
                 let delta: DVector<f64> = &delta * share;
                 point.retract(problem, &delta, &mut there_point);
                 let there = Linear::new(
-                    &problem.with(scene, (quantity, there_value))?,
+                    &problem.with(scene, &[(quantity, there_value)])?,
                     &there_point,
                     active,
                 );

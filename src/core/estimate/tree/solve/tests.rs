@@ -4,9 +4,10 @@ use nalgebra::Vector3;
 
 use super::{Schedule, finished, in_one};
 use crate::config::scene_from_toml;
+use crate::estimate::tree::part::Part;
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::TreeProblem;
-use crate::estimate::tree::program::{Part, TreeProgram};
+use crate::estimate::tree::program::TreeProgram;
 use crate::estimate::tree::sample::Residual;
 use crate::motion::{Sample, Seen, Sketch, Stamp, TrackSketch};
 use crate::optimise::{Program, Work};

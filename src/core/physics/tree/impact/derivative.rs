@@ -12,6 +12,9 @@ use crate::physics::state::{DIMENSION, part};
 use crate::physics::tree::forest::snapshot::ForestSnapshot;
 use crate::physics::tree::state::TreeState;
 
+/// Step of differences by time \[s\].
+const STEP_S: f64 = 1e-5;
+
 /// Derivatives of a [`TreeImpact`](super::TreeImpact). Columns of a state are those of the forest's tangents.
 ///
 /// Exact on each side of the switches between sticking and sliding and between approaching and receding; on a
@@ -30,6 +33,19 @@ pub struct TreeImpactDerivative {
     pub by_friction: DVector<f64>,
     /// Of the rates after by the two tilts; `None` where one contact has no face.
     pub by_tilt: Option<DMatrix<f64>>,
+    /// Of all by time, the state before held; `None` where no tree hangs from a hand.
+    pub carried: Option<CarriedImpact>,
+}
+
+/// How an impact changes with time where all coordinates and rates before stay: hands move on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CarriedImpact {
+    /// Of each gap [m/s].
+    pub gaps: Vec<f64>,
+    /// Of each speed along the untilted normals before [m/s²].
+    pub speeds: Vec<f64>,
+    /// Of the rates after.
+    pub rates: DVector<f64>,
 }
 
 /// How a contact changes with the coordinates of the forest.
@@ -55,8 +71,43 @@ impl ForestSnapshot<'_> {
         law: &Law,
     ) -> Result<(TreeImpact, TreeImpactDerivative), ImpactError> {
         let solved = self.solved(contact, law)?;
-        let derivative = self.derivative_of(&solved, state, contact)?;
+        let derivative = TreeImpactDerivative {
+            carried: self.carried(state, contact, law)?,
+            ..self.derivative_of(&solved, state, contact)?
+        };
         Ok((solved.impact(state), derivative))
+    }
+
+    /// By central differences: a hand's path is smooth.
+    fn carried(
+        &self,
+        state: &TreeState,
+        of: &LinkContact,
+        law: &Law,
+    ) -> Result<Option<CarriedImpact>, ImpactError> {
+        if !self.forest.is_in_hand() {
+            return Ok(None);
+        }
+        let mut snapshot = self.clone();
+        let mut at = |by_s: f64| {
+            let there = TreeState {
+                time_s: state.time_s + by_s,
+                ..state.clone()
+            };
+            snapshot.set(&there);
+            snapshot.impact(&there, of, law)
+        };
+        let (before, after) = (at(-STEP_S)?, at(STEP_S)?);
+        let change = |after: &[f64], before: &[f64]| -> Vec<f64> {
+            let both = after.iter().zip(before);
+            both.map(|(after, before)| (after - before) / (2.0 * STEP_S))
+                .collect()
+        };
+        Ok(Some(CarriedImpact {
+            gaps: change(&after.gaps_m, &before.gaps_m),
+            speeds: change(&after.speeds_m_s, &before.speeds_m_s),
+            rates: change(&after.rates, &before.rates).into(),
+        }))
     }
 
     fn derivative_of(
@@ -126,6 +177,7 @@ impl ForestSnapshot<'_> {
             by_restitution: &solved.response * solved.rule.by_restitution(met),
             by_friction: &solved.response * solved.rule.by_friction(met),
             by_tilt: solved.by_tilt(tried.len()),
+            carried: None,
         })
     }
 

@@ -3,7 +3,8 @@
 
 use anyhow::{Result, bail};
 use enact::estimate::tree::goal::TreeGoal;
-use enact::estimate::tree::program::{Part, TreeProgram};
+use enact::estimate::tree::part::Part;
+use enact::estimate::tree::program::TreeProgram;
 use enact::estimate::tree::sample::TreeSample;
 use enact::estimate::tree::{TreePoint, TreeProblem, problem::RATE_SD_RAD_S};
 use enact::initialise;
