@@ -195,8 +195,19 @@ fn what_is_not_done_of_joined_bodies_beside_a_held_one_is_refused() {
     let swapped = with("parent = \"handle\"", "parent = \"rod\"");
     let swapped = swapped.replacen("child = \"rod\"", "child = \"handle\"", 1);
     let added = |more: &str| format!("{IN_HAND}{more}");
-    let hit = "[[event]]\nname = \"hit\"\nkind = \"collision\"\nbody = \"rod\"\nsurface = \"table\"\nrestitution = 0.5\nfriction = 0\n\
-        [[surface]]\nname = \"table\"\npoint_mm = [0, 0, 0]\nnormal = [0, 0, 1]\n";
+    let hit = |what: &str| {
+        format!(
+            "[[event]]\nname = \"hit\"\nkind = \"collision\"\n{what}\nrestitution = 0.5\nfriction = 0\n\
+        [[surface]]\nname = \"table\"\npoint_mm = [0, 0, 0]\nnormal = [0, 0, 1]\n"
+        )
+    };
+    let end = "[[event]]\nname = \"end\"";
+    let before_end = |more: String| with(end, &(more + end));
+    // What hangs from it may hit the table.
+    let table = hit("body = \"rod\"\nsurface = \"table\"");
+    assert!(scene_from_toml(&before_end(table)).is_ok());
+    let lamp = "[[body]]\nname = \"lamp\"\nshape = { kind = \"sphere\", radius_mm = 20 }\nmass_g = 100\n\
+        [[joint]]\nname = \"hook\"\nkind = \"ball\"\nparent_at_mm = [0, 0, 900]\nchild = \"lamp\"\nchild_at_mm = [0, 0, 100]\n";
     for (text, expected) in [
         (swapped, "expected it as the parent of what hangs from it"),
         (
@@ -204,11 +215,8 @@ fn what_is_not_done_of_joined_bodies_beside_a_held_one_is_refused() {
             "where the tempo must be known: expected stamps = \"physical\"",
         ),
         (
-            with(
-                "[[event]]\nname = \"end\"",
-                &format!("{hit}[[event]]\nname = \"end\""),
-            ),
-            "expected no collision",
+            before_end(lamp.to_owned() + &hit("body = \"lamp\"\nother = \"handle\"")),
+            "expected no collision of it",
         ),
         (
             added(

@@ -43,7 +43,7 @@ pub struct TreeProblem {
     /// See `parameters`.
     pub cones: Vec<Cone>,
     /// The scene, where more of it is unknown than laws of impacts: this problem has what it says; that of other values is
-    /// [`TreeProblem::at`].
+    /// told by the parameters of a point.
     pub freed: Option<Arc<Scene>>,
     /// How samples err in time, of places and of turns, in their units; `None` where each errs by itself.
     pub errors: Option<LikelyErrors>,
