@@ -1,5 +1,7 @@
 //! What was seen of trees: quantities of its links at times.
 
+use std::borrow::Cow;
+
 use nalgebra::{Matrix3, Matrix3xX, Matrix6, UnitQuaternion, Vector3};
 
 use crate::estimate::constraint::quantity::Valued;
@@ -51,7 +53,7 @@ impl TreeSample {
         }
     }
 
-    /// What its residual weighs is that of one of so great errors, in the quantity's own unit.
+    /// Standard deviation of errors with which it weighs as it does, in the quantity's own unit.
     pub(super) fn sd(&self) -> f64 {
         match self.whitening {
             Some(_) => self.unit * self.noise_variance.sqrt(),
@@ -59,7 +61,7 @@ impl TreeSample {
         }
     }
 
-    /// The same with errors so many times as great.
+    /// Makes its errors so many times as great.
     pub(super) fn widened(&mut self, times: f64) {
         match &mut self.whitening {
             Some(whitening) => *whitening /= times,
@@ -81,6 +83,7 @@ impl TreeSample {
 }
 
 /// A sample with its residual, in units, and the derivative by the unknowns of its interval.
+#[derive(Clone)]
 pub(super) struct Residual<'s> {
     pub(super) sample: &'s TreeSample,
     pub(super) value: Vector3<f64>,
@@ -101,19 +104,17 @@ impl<'s> Residual<'s> {
     }
 
     /// The same in units, whatever its message says of its errors.
-    pub(super) fn in_units(&self) -> Self {
-        let scale = match &self.sample.whitening {
-            Some(whitening) => {
-                let inverse = whitening.try_inverse().expect("it is that of a covariance");
-                inverse / self.sample.unit
-            }
-            None => Matrix3::identity(),
+    pub(super) fn in_units(&self) -> Cow<'_, Self> {
+        let Some(whitening) = &self.sample.whitening else {
+            return Cow::Borrowed(self);
         };
-        Self {
+        let inverse = whitening.try_inverse().expect("it is that of a covariance");
+        let scale = inverse / self.sample.unit;
+        Cow::Owned(Self {
             sample: self.sample,
             value: scale * self.value,
             by: scale * &self.by,
-        }
+        })
     }
 }
 

@@ -124,7 +124,7 @@ impl TreeProblem {
     fn counted_s(&self, place: usize, time_s: f64, at: &TreePoint) -> [f64; 2] {
         let (tree, _) = self.forest.tree_of(place);
         let is_struck = |touch: &TreeTouch| {
-            let mut places = [Some(touch.at.place), touch.at.other].into_iter().flatten();
+            let mut places = touch.at.places();
             places.any(|of| self.forest.tree_of(of).0 == tree)
         };
         let events = self.events.iter().zip(&at.event_times_s);

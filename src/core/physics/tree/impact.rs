@@ -34,6 +34,13 @@ pub struct LinkContact {
     pub contacts: ContactSet,
 }
 
+impl LinkContact {
+    /// Places of the links that touch.
+    pub fn places(&self) -> impl Iterator<Item = usize> {
+        [self.place].into_iter().chain(self.other)
+    }
+}
+
 /// The result of an impact of trees: of each contact, and the rates after.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TreeImpact {

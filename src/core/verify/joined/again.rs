@@ -69,7 +69,8 @@ pub(super) fn off(scene: &Scene, estimate: &Estimate) -> Off {
             off.pulls
                 .extend(pull::of(event, &impact.normal_impulses_n_s));
             // A hand does work on what hangs from it while that hits something.
-            if estimate.held.is_empty() {
+            let mut trees = touch.at.places().map(|place| forest.tree_of(place).0);
+            if !trees.any(|tree| forest.trees()[tree].is_in_hand()) {
                 off.energy = larger(off.energy, gained_j / before_j);
             }
             flow.begin(&after, false);
