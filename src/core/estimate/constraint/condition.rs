@@ -11,18 +11,16 @@
 //! time (a height near an apex), its second derivative by the event's time is given: nothing else
 //! says where it is.
 
-mod touched;
-
 use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use self::touched::TouchedPoint;
 use super::kind::{At, Constraint, Filled};
 use super::quantity::{self, ByState, Valued};
 use super::reached::Reached;
-use super::within::{self, WithinRow};
-use crate::estimate::problem::arc_condition::{ArcCondition, Rows};
+use super::touched::TouchedPoint;
+use super::within::WithinRow;
+use crate::estimate::problem::arc_condition::ArcCondition;
 use crate::estimate::problem::influence::Influence;
 use crate::estimate::problem::{Problem, unit};
 use crate::estimate::terms::modelled::TouchedPair;
@@ -223,18 +221,7 @@ impl ArcCondition {
 
     /// The rows for a value of the quantity.
     fn rows_of(&self, value: &Vector3<f64>) -> Vec<WithinRow> {
-        let set = &self.condition.set;
-        match &self.rows {
-            Rows::Axes(axes) => axes
-                .iter()
-                .map(|axis| within::along(set, value, *axis))
-                .collect(),
-            Rows::OnFace(tangents) => tangents
-                .iter()
-                .map(|tangent| within::equal_along(set, value, tangent))
-                .collect(),
-            Rows::Single => vec![within::single(set, value)],
-        }
+        self.rows.at(&self.condition.set, value)
     }
 
     /// Where the centres of mass of its bodies are, from the origins of the axes in which the scene gives
@@ -263,7 +250,7 @@ impl ArcCondition {
         let touched = match (&self.touched, touching) {
             (Some(touched), Some(touching)) => {
                 let contact = touching.contacts.as_slice().get(touched.contact)?;
-                Some(TouchedPoint::new(contact, touched, states)?)
+                Some(TouchedPoint::new(contact, touched.side, states)?)
             }
             _ => None,
         };
@@ -277,10 +264,7 @@ impl ArcCondition {
             valued.value += centres_m[1];
         }
         if let Some(touched) = &touched {
-            for (by, of) in valued.by.iter_mut().zip(&touched.by).take(states.len()) {
-                let mut pose = by.fixed_columns_mut::<6>(part::POSITION);
-                pose += valued.by_point * of;
-            }
+            valued.follow(&touched.by[..states.len()]);
         }
         Some(MeasuredState { valued, touched })
     }

@@ -21,6 +21,7 @@ mod reached;
 mod rows;
 mod sample_order;
 mod time;
+pub(in crate::estimate) mod touched;
 pub(in crate::estimate) mod within;
 
 pub use self::kind::{At, Constraint, Filled};

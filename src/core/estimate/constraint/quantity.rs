@@ -39,6 +39,14 @@ impl Valued {
         }
     }
 
+    /// Its point moves with the poses of both bodies: derivatives of that by these.
+    pub(in crate::estimate) fn follow(&mut self, point_by: &[SMatrix<f64, 3, 6>]) {
+        for (by, of) in self.by.iter_mut().zip(point_by) {
+            let mut pose = by.fixed_columns_mut::<6>(part::POSITION);
+            pose += self.by_point * of;
+        }
+    }
+
     fn set(&mut self, side: usize, part: usize, by: Matrix3<f64>) {
         self.by[side].fixed_view_mut::<3, 3>(0, part).copy_from(&by);
     }

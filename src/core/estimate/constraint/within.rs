@@ -11,6 +11,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::estimate::problem::arc_condition::Rows;
 use crate::motion::GoalSet;
 
 /// A row: its value, bounds, and derivatives by the vector.
@@ -23,8 +24,22 @@ pub(in crate::estimate) struct WithinRow {
     pub(in crate::estimate) second: Matrix3<f64>,
 }
 
+impl Rows {
+    /// For a vector that must be in a set.
+    pub(in crate::estimate) fn at(&self, set: &GoalSet, x: &Vector3<f64>) -> Vec<WithinRow> {
+        match self {
+            Self::Axes(axes) => axes.iter().map(|axis| along(set, x, *axis)).collect(),
+            Self::OnFace(tangents) => tangents
+                .iter()
+                .map(|tangent| equal_along(set, x, tangent))
+                .collect(),
+            Self::Single => vec![single(set, x)],
+        }
+    }
+}
+
 /// The row of a box for one number.
-pub(in crate::estimate) fn along(set: &GoalSet, x: &Vector3<f64>, axis: usize) -> WithinRow {
+fn along(set: &GoalSet, x: &Vector3<f64>, axis: usize) -> WithinRow {
     let GoalSet::Box { lower, upper } = set else {
         unreachable!("only boxes are bounded axis by axis");
     };
@@ -37,7 +52,7 @@ pub(in crate::estimate) fn along(set: &GoalSet, x: &Vector3<f64>, axis: usize) -
 }
 
 /// The row of an equality to a point along a unit vector.
-pub(super) fn equal_along(set: &GoalSet, x: &Vector3<f64>, along: &Vector3<f64>) -> WithinRow {
+fn equal_along(set: &GoalSet, x: &Vector3<f64>, along: &Vector3<f64>) -> WithinRow {
     let GoalSet::Box { lower: to, .. } = set else {
         unreachable!("only a point is equal to something");
     };
@@ -50,7 +65,7 @@ pub(super) fn equal_along(set: &GoalSet, x: &Vector3<f64>, along: &Vector3<f64>)
 }
 
 /// The one row of a ball or a half-space.
-pub(in crate::estimate) fn single(set: &GoalSet, x: &Vector3<f64>) -> WithinRow {
+fn single(set: &GoalSet, x: &Vector3<f64>) -> WithinRow {
     match set {
         GoalSet::Ball { centre, radius } => {
             let offset = x - centre;

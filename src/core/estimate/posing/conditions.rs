@@ -1,7 +1,5 @@
 //! The scene's conditions ([`Condition`]) on the arcs of a problem.
 
-use nalgebra::Vector3;
-
 use crate::estimate::problem::arc_condition::{ActingParameter, ArcCondition, Rows, Touched};
 use crate::estimate::problem::influence::{Acting, Influence};
 use crate::estimate::problem::{Arc, ArcCollision, Problem, unit};
@@ -9,7 +7,6 @@ use crate::motion::{
     BodyPoint, Condition, EventKind, Goal, GoalQuantity, GoalSet, GoalTarget, GoalUnit, LinkIndex,
     MechanismIndex, Moment, Partner, Scene,
 };
-use crate::physics::contact::Feature;
 
 /// The conditions whose arcs are all there.
 pub(in crate::estimate) fn conditions(
@@ -71,10 +68,6 @@ fn posed(
         let mechanism = scene.mechanism_of(link);
         flight_at(scene, arcs, mechanism, event, condition.moment)
     };
-    let mut rows = match &condition.set {
-        set @ GoalSet::Box { .. } => Rows::Axes(bounded_axes(set, condition.quantity.dimension())),
-        _ => Rows::Single,
-    };
     let mut links = match condition.quantity {
         GoalQuantity::Time { .. } => Vec::new(),
         _ => vec![goal.link],
@@ -96,9 +89,6 @@ fn posed(
                 links.push(other);
             }
         }
-        if let Some((_, normal)) = scene.face_touched(goal, condition) {
-            rows = on_face(rows, condition, &normal);
-        }
     }
     let arcs_of: Vec<usize> = links
         .iter()
@@ -116,36 +106,8 @@ fn posed(
         condition: condition.clone(),
         arcs: arcs_of,
         touched,
-        rows,
+        rows: Rows::of(scene, goal, condition),
     })
-}
-
-/// The numbers of a quantity that a box bounds.
-fn bounded_axes(set: &GoalSet, dimension: usize) -> Vec<usize> {
-    match set {
-        GoalSet::Box { lower, upper } => (0..dimension)
-            .filter(|axis| lower[*axis].is_finite() || upper[*axis].is_finite())
-            .collect(),
-        _ => Vec::new(),
-    }
-}
-
-/// Rows of what touches a face: across the face nothing is asked, since the contact's own row already
-/// holds it there.
-fn on_face(rows: Rows, condition: &Condition, normal: &Vector3<f64>) -> Rows {
-    /// Sine of the angle to an axis below which the normal is along it.
-    const ALONG: f64 = 1e-9;
-    match rows {
-        Rows::Axes(_) if condition.set.is_point(3) => Rows::OnFace(Feature::tangents(normal)),
-        Rows::Axes(axes) => {
-            let is_across = |axis: &usize| {
-                let along = Vector3::ith(*axis, 1.0);
-                normal.cross(&along).norm() > ALONG
-            };
-            Rows::Axes(axes.into_iter().filter(is_across).collect())
-        }
-        other => other,
-    }
 }
 
 /// The arc on which a mechanism is at a side of an event: the one that the event ends or begins, or

@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 
 use super::influence::Influence;
-use crate::motion::Condition;
+use crate::motion::{Condition, Goal, GoalSet, Scene};
+use crate::physics::contact::Feature;
 
 /// A condition on arcs at an event.
 #[derive(Clone, Debug)]
@@ -33,6 +34,9 @@ pub struct Touched {
     pub side: usize,
 }
 
+/// Sine of the angle to an axis below which the normal of a face is along it.
+const ALONG: f64 = 1e-9;
+
 /// The rows of a condition.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rows {
@@ -54,6 +58,27 @@ pub struct ActingParameter {
 }
 
 impl Rows {
+    /// Those of a goal's condition. What touches a face is asked nothing across it, since the contact's own row already holds
+    /// it there.
+    pub fn of(scene: &Scene, goal: &Goal, condition: &Condition) -> Self {
+        let GoalSet::Box { lower, upper } = &condition.set else {
+            return Self::Single;
+        };
+        let is_bounded = |axis: &usize| lower[*axis].is_finite() || upper[*axis].is_finite();
+        let axes = (0..condition.quantity.dimension()).filter(is_bounded);
+        match scene.face_touched(goal, condition) {
+            Some((_, normal)) if condition.set.is_point(3) => {
+                Self::OnFace(Feature::tangents(&normal))
+            }
+            Some((_, normal)) => {
+                let is_across =
+                    |axis: &usize| normal.cross(&Vector3::ith(*axis, 1.0)).norm() > ALONG;
+                Self::Axes(axes.filter(is_across).collect())
+            }
+            None => Self::Axes(axes.collect()),
+        }
+    }
+
     /// Their number.
     pub fn count(&self) -> usize {
         match self {

@@ -3,8 +3,9 @@
 use nalgebra::Vector3;
 
 use super::event::StampedEvent;
+use crate::estimate::problem::arc_condition::Rows;
 use crate::estimate::problem::unit;
-use crate::motion::{BodyPoint, Condition, GoalSet, Scene, Sketch};
+use crate::motion::{BodyPoint, Condition, Goal, LinkIndex, Partner, Scene, Sketch};
 
 /// A condition at an event.
 #[derive(Clone, Debug)]
@@ -19,14 +20,47 @@ pub struct TreeGoal {
     pub acted_s: f64,
     /// Of a time the event since which it is counted.
     pub since: Option<StampedEvent>,
-    /// The link's place in the forest, and that of the link in whose axes it is seen.
+    /// The link's place in the forest, and that of the link in whose axes it is seen or which it touches.
     pub places: [usize; 2],
+    /// Where the point that it is about touches.
+    pub touched: Option<TouchedContact>,
     /// Point of the link that it is about [m, link axes].
     pub point_m: Vector3<f64>,
     /// What must hold.
     pub condition: Condition,
-    /// The numbers of the quantity that a box bounds; none where the set has one row.
-    pub axes: Vec<usize>,
+    /// How its set becomes rows.
+    pub rows: Rows,
+}
+
+/// The contact whose place is meant.
+#[derive(Clone, Copy, Debug)]
+pub struct TouchedContact {
+    /// Which of those of its event.
+    pub contact: usize,
+    /// The side of it that the link is.
+    pub side: usize,
+    /// The link on the other side; `None` where that stands still.
+    pub other: Option<LinkIndex>,
+}
+
+impl TouchedContact {
+    /// That of a condition; `None` where it is about no contact.
+    fn of(scene: &Scene, goal: &Goal, condition: &Condition) -> Option<Self> {
+        let Some(BodyPoint::Contact(contact)) = condition.quantity.point() else {
+            return None;
+        };
+        let collision = scene.events[goal.event].kind.collision()?;
+        let side = collision.links().position(|link| link == goal.link)?;
+        let other = match collision.partner {
+            Partner::World => None,
+            Partner::Link(other) => Some([other, collision.link][side]),
+        };
+        Some(Self {
+            contact,
+            side,
+            other,
+        })
+    }
 }
 
 /// The goals of all links, in order of time.
@@ -40,14 +74,10 @@ pub(super) fn goals(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<Tre
                 true => 0,
                 false => scene.place_of(goal.link),
             };
-            let seen_from = condition.quantity.seen_from();
-            let other = seen_from.map_or(place, |link| scene.place_of(link));
-            let axes = match &condition.set {
-                GoalSet::Box { lower, upper } => (0..condition.quantity.dimension())
-                    .filter(|axis| lower[*axis].is_finite() || upper[*axis].is_finite())
-                    .collect(),
-                _ => Vec::new(),
-            };
+            let touched = TouchedContact::of(scene, goal, &condition);
+            let touches = touched.and_then(|touched| touched.other);
+            let other = condition.quantity.seen_from().or(touches);
+            let other = other.map_or(place, |link| scene.place_of(link));
             all.push(TreeGoal {
                 goal: index,
                 part,
@@ -58,9 +88,10 @@ pub(super) fn goals(scene: &Scene, sketch: &Sketch, span_s: [f64; 2]) -> Vec<Tre
                     acted_s: acted_s(event),
                 }),
                 places: [place, other],
+                touched,
                 point_m: point_m(&condition),
+                rows: Rows::of(scene, goal, &condition),
                 condition,
-                axes,
             });
         }
     }
@@ -88,7 +119,7 @@ impl TreeGoal {
     pub fn row_count(&self) -> usize {
         match self.condition.sd {
             Some(_) => 0,
-            None => self.axes.len().max(1),
+            None => self.rows.count(),
         }
     }
 

@@ -255,7 +255,20 @@ fn asked(
     }
     let [own, other] = states(goal.places, snapshot, links, width);
     let other_state = quantity.seen_from().map(|_| &other.0);
-    let valued = quantity::valued(quantity, &own.0, other_state, &goal.point_m);
+    let valued = match &goal.touched {
+        None => quantity::valued(quantity, &own.0, other_state, &goal.point_m),
+        Some(touched) => {
+            let both = [own.0, other.0];
+            let Some(point) = problem.touched_point(goal, touched, &both) else {
+                // The impact there is undefined, too.
+                let unknown = Vector3::repeat(f64::NAN);
+                return (unknown, Matrix3xX::zeros(jacobian.ncols()));
+            };
+            let mut valued = quantity::valued(quantity, &own.0, other_state, &point.point_m);
+            valued.follow(&point.by[..1 + usize::from(touched.other.is_some())]);
+            valued
+        }
+    };
     let mut by = chained(&valued, &[own, other], jacobian);
     if let Some(event) = event {
         let mut by_time = by.column_mut(width + event);

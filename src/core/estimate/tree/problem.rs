@@ -6,15 +6,17 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::event::{self, TreeEvent};
-use super::goal::{self, TreeGoal};
+use super::goal::{self, TouchedContact, TreeGoal};
 use super::hands;
 use super::law::freed;
 use super::sample::{self, TreeSample};
 use super::tempo::Tempo;
+use crate::estimate::constraint::touched::TouchedPoint;
 use crate::estimate::problem::unit;
 use crate::estimate::wander::likelihood::LikelyErrors;
 use crate::motion::held::HeldEstimate;
 use crate::motion::{Cone, FreeParameter, GoalUnit, Scene, Sketch};
+use crate::physics::State;
 use crate::physics::tree::Forest;
 
 /// Standard deviation of the rates of joints and of a free base's spin at the start [rad/s]: of two
@@ -197,6 +199,19 @@ impl TreeProblem {
     /// The event within the motion at which a goal holds; none at the start and at the end.
     pub(super) fn event_within(&self, goal: &TreeGoal) -> Option<usize> {
         self.events.iter().position(|of| of.event == goal.event)
+    }
+
+    /// Where the contact is that a goal is about, at states of both its links; `None` where it is degenerate.
+    pub(super) fn touched_point(
+        &self,
+        goal: &TreeGoal,
+        touched: &TouchedContact,
+        both: &[State; 2],
+    ) -> Option<TouchedPoint> {
+        let event = &self.events[self.event_within(goal)?];
+        let contact = event.touch.as_ref()?.at.contacts.as_slice();
+        let sides = 1 + usize::from(touched.other.is_some());
+        TouchedPoint::new(contact.get(touched.contact)?, touched.side, &both[..sides])
     }
 
     /// About when a goal holds \[s, acted\].

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, Matrix3xX, Vector3};
 use super::goal::TreeGoal;
 use super::problem::TreeProblem;
 use super::time_line::TimeLine;
-use crate::estimate::constraint::within::{self, WithinRow};
+use crate::estimate::constraint::within::WithinRow;
 use crate::estimate::problem::unit;
 use crate::optimise::block::{Block, BlockPattern};
 use crate::physics::tree::{TreeImpact, TreeImpactDerivative, TreeState};
@@ -13,12 +13,7 @@ use crate::physics::tree::{TreeImpact, TreeImpactDerivative, TreeState};
 impl TreeGoal {
     /// Its rows at a value of its quantity.
     pub(super) fn rows(&self, value: &Vector3<f64>) -> Vec<WithinRow> {
-        let set = &self.condition.set;
-        if self.axes.is_empty() {
-            return vec![within::single(set, value)];
-        }
-        let axes = self.axes.iter();
-        axes.map(|axis| within::along(set, value, *axis)).collect()
+        self.rows.at(&self.condition.set, value)
     }
 }
 

@@ -166,6 +166,12 @@ body = "rod 2"
 position_mm = [100, 200, 300]
 
 [[goal]]
+event = "hit"
+body = "rod 3"
+contact = true
+position_mm = [30, -20, -300]
+
+[[goal]]
 event = "again"
 body = "rod 3"
 velocity_m_s = [0, 1, 2]
@@ -439,6 +445,27 @@ feature = "end -z"
 other = "box"
 other_feature = "face -x"
 restitution = 0.3
+
+[[goal]]
+event = "hit"
+body = "rod 3"
+contact = true
+relative_to = "box"
+position_mm = [10, 20, 50]
+
+[[goal]]
+event = "fold"
+body = "rod 1"
+contact = true
+position_mm = [0, 100, 200]
+within_mm = 20
+
+[[goal]]
+event = "swing"
+body = "box"
+contact = true
+position_within_mm = [[0, 20, -50], [100, 80, 50]]
+sd_mm = 5
 
 [[goal]]
 event = "fall"

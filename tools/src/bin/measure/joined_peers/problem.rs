@@ -2,6 +2,7 @@
 //! any state of it.
 
 use anyhow::{Result, bail};
+use enact::estimate::problem::arc_condition::Rows;
 use enact::estimate::tree::goal::TreeGoal;
 use enact::estimate::tree::part::Part;
 use enact::estimate::tree::program::TreeProgram;
@@ -123,9 +124,9 @@ fn sample(sample: &TreeSample) -> Result<Value> {
 
 fn goal(goal: &TreeGoal) -> Result<Value> {
     let condition = &goal.condition;
-    let value = match &condition.set {
-        GoalSet::Box { lower, upper } if condition.sd.is_none() => {
-            let fixed = goal.axes.iter().all(|axis| lower[*axis] == upper[*axis]);
+    let value = match (&condition.set, &goal.rows) {
+        (GoalSet::Box { lower, upper }, Rows::Axes(axes)) if condition.sd.is_none() => {
+            let fixed = axes.iter().all(|axis| lower[*axis] == upper[*axis]);
             fixed.then_some(*lower)
         }
         _ => None,
