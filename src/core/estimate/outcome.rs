@@ -294,10 +294,8 @@ pub fn errors(problem: &Problem, context: &SolveContext, point: &Point) -> Vec<R
     let bodies = bodies.expect("moments that the solution has");
     let views = problem.views().map(|(arc, view)| {
         let body = &bodies[problem.arcs[arc].mechanism];
-        let flight = (&point.arcs[arc], context.epochs_s[arc]);
-        let of = (arc, view);
-        let mut observer =
-            SampleObserver::new(problem, of, (body, &gravity), flight, &point.parameters);
+        let (of, epoch_s) = ((arc, view), context.epochs_s[arc]);
+        let mut observer = SampleObserver::new(problem, of, (body, &gravity), epoch_s, point);
         let samples = 0..view.samples.len();
         Residuals {
             kinds: view.kinds(),

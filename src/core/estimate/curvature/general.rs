@@ -170,8 +170,8 @@ impl<'a> General<'a> {
             problem,
             (self.arc, self.view),
             (body, &gravity_m_s2),
-            (&point.arcs[self.arc], self.context.epochs_s[self.arc]),
-            &point.parameters,
+            self.context.epochs_s[self.arc],
+            point,
         );
         if self.pulls.is_some() {
             observer = observer.in_body_axes(self.acting);

@@ -142,9 +142,8 @@ impl FlightTerms<'_> {
         let readings = self.view.samples.iter();
         let readings = readings.map(|s| (self.time_s(s) - epoch_s, &s.orientation));
         let (kept, omega) = (&self.point.kept, &state.angular_velocity_rad_s);
-        let terms = kept.with_spin(self.body, omega, |spin| {
-            TurnTerms::of(spin, &state.orientation, readings)
-        });
+        let spin = &mut kept.spin(self.body, omega).spin;
+        let terms = TurnTerms::of(spin, &state.orientation, readings);
         terms.weighed(self.turn_weight())
     }
 

@@ -68,9 +68,8 @@ impl<'a> Objective<'a> {
                 let sums = (sums, stride);
                 let kept = &self.point.kept;
                 let omega = &flight.0.angular_velocity_rad_s;
-                let terms = kept.with_spin(body, omega, |spin| {
-                    samples::known_times(view, sums, flight, spin, &gravity, times_s)
-                });
+                let spin = &mut kept.spin(body, omega).spin;
+                let terms = samples::known_times(view, sums, flight, spin, &gravity, times_s);
                 self.add_arc(layout.arcs[index], &terms);
             } else if problem.is_short(index, view) {
                 self.add_short(index, view, body, &gravity);
@@ -89,11 +88,10 @@ impl<'a> Objective<'a> {
             return;
         };
         let body = &bodies[arc.mechanism];
-        let flight = (&self.point.arcs[index], self.context.epochs_s[index]);
-        let parameters = &self.point.parameters;
+        let epoch_s = self.context.epochs_s[index];
         let of = (index, view);
         let mut observer =
-            SampleObserver::new(problem, of, (body, gravity_m_s2), flight, parameters);
+            SampleObserver::new(problem, of, (body, gravity_m_s2), epoch_s, self.point);
         let stride = self.guidance.stride(view);
         let samples = (0..view.samples.len()).skip(stride / 2).step_by(stride);
         let weight = view.samples.len() as f64 / samples.len().max(1) as f64;

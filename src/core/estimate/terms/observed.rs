@@ -23,8 +23,10 @@ use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use super::modelled::Mount;
 use crate::estimate::problem::influence::{Acting, Influence, drag_is_free};
 use crate::estimate::problem::{Problem, Shows, View};
+use crate::estimate::unknowns::kept::KeptSpin;
+use crate::estimate::unknowns::point::Point;
 use crate::math::so3;
-use crate::physics::flow::{Fall, Spin, SpinByMoments};
+use crate::physics::flow::{Fall, SpinByMoments};
 use crate::physics::state::{self, part};
 use crate::physics::{Body, State};
 
@@ -52,7 +54,7 @@ pub(in crate::estimate) struct SampleObserver<'a> {
     epoch_s: f64,
     mount: Mount,
     fall: Fall,
-    spin: Spin,
+    turning: KeptSpin<'a>,
     /// Where a moment is free.
     moments: Option<SpinByMoments>,
     /// Derivatives of the mount's turn by the components of the tracker's rotation vector.
@@ -108,14 +110,15 @@ impl Following<'_> {
 }
 
 impl<'a> SampleObserver<'a> {
-    /// The flight of an arc of `body` from a state at its epoch, as a view sees it.
+    /// The flight of an arc of `body`, as a view sees it, where unknowns have the values of a point.
     pub(in crate::estimate) fn new(
         problem: &'a Problem,
         (arc, view): (usize, &'a View),
         (body, gravity_m_s2): (&Body, &Vector3<f64>),
-        (state, epoch_s): (&'a State, f64),
-        parameters: &'a [f64],
+        epoch_s: f64,
+        point: &'a Point,
     ) -> Self {
+        let (state, parameters) = (&point.arcs[arc], point.parameters.as_slice());
         let mount = problem.mount_at(arc, view.track, parameters);
         let acting = &problem.arcs[arc].acting;
         let rotation = problem.mounts[view.track].rotation;
@@ -126,7 +129,7 @@ impl<'a> SampleObserver<'a> {
             state,
             epoch_s,
             fall: Fall::new(body, gravity_m_s2, state).with_drag_free(drag_is_free(acting)),
-            spin: Spin::new(body, &state.angular_velocity_rad_s),
+            turning: point.kept.spin(body, &state.angular_velocity_rad_s),
             moments: acting
                 .iter()
                 .any(|acting| matches!(acting.influence, Influence::Moment(_)))
@@ -167,7 +170,7 @@ impl<'a> SampleObserver<'a> {
         node_times_s: &[f64],
     ) -> [Vector3<f64>; 2] {
         let s = self.time_s(sample, node_times_s) - self.epoch_s;
-        let turn = self.spin.turn(s);
+        let turn = self.turning.spin.turn(s);
         let orientation = self.state.orientation * turn;
         let of = &self.view.samples[sample];
         let (centre_m, measured) = self.mount.seen(of);
@@ -219,7 +222,7 @@ impl<'a> SampleObserver<'a> {
         let s = self.time_s(sample, node_times_s) - self.epoch_s;
         let (centre_m, measured) = self.mount.seen(of);
         let fallen = self.fall.fallen(s);
-        let (turn, k) = self.spin.turn_and_derivative(s);
+        let (turn, k) = self.turning.spin.turn_and_derivative(s);
         let to_epoch = self.state.orientation.inverse() * measured;
         let whitening = self.view.whitenings.get(sample);
         let [sees_place, sees_turn] = self.view.kinds();

@@ -234,9 +234,8 @@ impl Objective<'_> {
         if problem.has_no_lever(view) && weights.is_empty() {
             let (of, flight) = ((view, stride), (state, epoch_s));
             let omega = &state.angular_velocity_rad_s;
-            let terms = point.kept.with_spin(body, omega, |spin| {
-                samples::unknown_times(body, of, flight, spin, gravity_m_s2, time_s, each)
-            });
+            let spin = &mut point.kept.spin(body, omega).spin;
+            let terms = samples::unknown_times(body, of, flight, spin, gravity_m_s2, time_s, each);
             self.add_arc(at, &terms);
             by_times.end(self);
             return;

@@ -239,18 +239,11 @@ fn each(
     };
     for (place, woven) in hand.arcs.iter().enumerate() {
         let arc = &problem.arcs[woven.arc];
-        let flight = (&point.arcs[woven.arc], context.epochs_s[woven.arc]);
-        let body = &bodies[arc.mechanism];
+        let (body, epoch_s) = (&bodies[arc.mechanism], context.epochs_s[woven.arc]);
         let observers = arc.views.iter().map(|view| {
             let of = (woven.arc, view);
-            SampleObserver::new(
-                problem,
-                of,
-                (body, &gravity_m_s2),
-                flight,
-                &point.parameters,
-            )
-            .in_body_axes(&woven.acting)
+            SampleObserver::new(problem, of, (body, &gravity_m_s2), epoch_s, point)
+                .in_body_axes(&woven.acting)
         });
         let mut observers: Vec<SampleObserver> = observers.collect();
         for of in &woven.samples {

@@ -44,18 +44,17 @@ impl KeptSteps {
         told
     }
 
-    /// What is told by a spin, whose steps are kept for the next use.
-    pub(in crate::estimate) fn with_spin<T>(
+    /// A spin, whose steps are kept for the next use.
+    pub(in crate::estimate) fn spin(
         &self,
         body: &Body,
         angular_velocity_rad_s: &Vector3<f64>,
-        tell: impl FnOnce(&mut Spin) -> T,
-    ) -> T {
+    ) -> KeptSpin<'_> {
         let steps = self.take(body, angular_velocity_rad_s);
-        let mut spin = Spin::with_steps(body, angular_velocity_rad_s, steps);
-        let told = tell(&mut spin);
-        self.keep(spin.into_steps());
-        told
+        KeptSpin {
+            kept: self,
+            spin: Spin::with_steps(body, angular_velocity_rad_s, steps),
+        }
     }
 
     /// Keeps them, in place of those that nobody asked for the longest if there are too many.
@@ -70,6 +69,18 @@ impl KeptSteps {
     /// Forgets all: the spins are others.
     pub(super) fn clear(&mut self) {
         self.0.get_mut().clear();
+    }
+}
+
+/// A spin whose steps are kept when it is no longer used.
+pub(in crate::estimate) struct KeptSpin<'k> {
+    kept: &'k KeptSteps,
+    pub(in crate::estimate) spin: Spin,
+}
+
+impl Drop for KeptSpin<'_> {
+    fn drop(&mut self) {
+        self.kept.keep(self.spin.take_steps());
     }
 }
 

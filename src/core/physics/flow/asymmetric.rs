@@ -304,6 +304,14 @@ impl Steps {
         (body.symmetry() == Symmetry::Asymmetric).then(|| Self::new(body, omega_rad_s))
     }
 
+    /// All of them: none are left here, to be computed anew where one is needed.
+    pub fn take(&mut self) -> Self {
+        Self {
+            motion: self.motion.clone(),
+            sides: std::mem::take(&mut self.sides),
+        }
+    }
+
     /// Whether they are those of a body with an initial angular velocity [rad/s, body].
     pub fn are_of(&self, body: &Body, omega_rad_s: &Vector3<f64>) -> bool {
         let moments: [f64; 3] = body.moments_kg_m2().into();

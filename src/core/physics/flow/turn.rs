@@ -110,11 +110,11 @@ impl Spin {
         })
     }
 
-    /// The steps, for further use.
-    pub fn into_steps(self) -> Option<Steps> {
-        match self.0 {
+    /// The steps, for further use: this one has none then.
+    pub fn take_steps(&mut self) -> Option<Steps> {
+        match &mut self.0 {
             TurnCase::Precession(_) => None,
-            TurnCase::Steps(steps) => Some(*steps),
+            TurnCase::Steps(steps) => Some(steps.take()),
         }
     }
 
