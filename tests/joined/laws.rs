@@ -1,7 +1,7 @@
 //! Laws of impacts of joined bodies that are free: restitution and friction, estimated with the motion.
 
 use enact::config::scene_from_toml;
-use enact::motion::{AtBound, Estimate, FreeParameter, Quantity, Verdict};
+use enact::motion::{AtBound, Estimate, FreeParameter, JointEnd, LinkIndex, Quantity, Verdict};
 use enact::pipeline::Pipeline;
 use enact_tools::tree_impacts::{Acted, Form, Strike, Struck, strike};
 use enact_tools::trees::{self, Jointed, Kind, TreeActing};
@@ -135,8 +135,29 @@ fn other_quantities_of_scenes_with_joints_are_refused() {
     }
 }
 
+/// Places of joints are free by the names that suspects have; axes are not.
+#[test]
+fn joints_are_free_by_name() {
+    let kind = Kind::pendulum(2, Jointed::Pin);
+    let text = trees::perform(&kind, &TreeActing::of(1.0), 8330).scene_toml;
+    let child = LinkIndex(1);
+    let place = |end, axis| Quantity::JointPlace { child, end, axis };
+    for (name, quantity) in [
+        ("joint 2.parent.z", place(JointEnd::Parent, 2)),
+        ("joint 2.child.x", place(JointEnd::Child, 0)),
+    ] {
+        let text = format!("{text}\n[[free]]\nquantity = {name:?}\n");
+        let scene = scene_from_toml(&text).expect("a valid scene");
+        assert_eq!(scene.parameters[0].quantity, quantity, "{name}");
+        assert_eq!(scene.name_of_quantity(quantity), name);
+    }
+    let text = format!("{text}\n[[free]]\nquantity = \"joint 2.turn.1\"\n");
+    let error = scene_from_toml(&text).unwrap_err().to_string();
+    assert!(error.contains("unknown quantity"), "{error}");
+}
+
 /// What else of a scene is free comes back from exact samples too: a body's mass, where its centre of mass is, where its tracker
-/// is, and gravity; and the checks are those of the scene with these.
+/// is, where a joint is, and gravity; and the checks are those of the scene with these.
 #[test]
 fn an_exact_sketch_gives_the_scene_back() {
     let exact = TreeActing {
@@ -156,6 +177,14 @@ fn an_exact_sketch_gives_the_scene_back() {
             (Quantity::Mass { link: last }, 1.2),
             (along(2), 0.005),
             (Quantity::TrackerPosition { track, axis: 2 }, 0.004),
+            (
+                Quantity::JointPlace {
+                    child: last,
+                    end: JointEnd::Parent,
+                    axis: 2,
+                },
+                0.01,
+            ),
         ];
         for (quantity, initial) in quantities {
             let mut scene = given.clone();

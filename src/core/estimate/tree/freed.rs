@@ -55,7 +55,9 @@ impl TreeProblem {
     /// several contacts there is no friction.
     pub(super) fn with(&self, scene: &Scene, values: &[(Quantity, f64)]) -> Option<Self> {
         let scene = self.freed.as_deref().unwrap_or(scene);
-        let other = scene.with_values(values).ok()?;
+        // A step that is no number leads to no tree.
+        let are_numbers = values.iter().all(|(_, value)| value.is_finite());
+        let other = are_numbers.then(|| scene.with_values(values).ok())??;
         let mut with = self.clone();
         with.forest = other.forest_with(&self.hands);
         with.gravity_m_s2 = other.gravity_m_s2;

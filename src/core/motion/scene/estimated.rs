@@ -202,13 +202,13 @@ impl Scene {
     }
 }
 
-/// Puts a joint in its place, and turns its axes.
+/// Moves a joint, and turns its axes.
 fn set_joint(joint: &mut Joint, values: &EstimatedValues) {
     let child = joint.child;
     for end in [JointEnd::Parent, JointEnd::Child] {
         for axis in 0..3 {
-            if let Some(at_m) = values.of(Quantity::JointPlace { child, end, axis }) {
-                joint.put(end, axis, at_m);
+            if let Some(by_m) = values.of(Quantity::JointPlace { child, end, axis }) {
+                joint.shift(end, axis, by_m);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! What of a scene may be free: its quantities, their names, and the values that it gives them.
 
 use super::event::Event;
-use super::joint::JointEnd;
+use super::joint::{Joint, JointEnd};
 use super::link::Link;
 use super::parameter::FreeParameter;
 use super::quantity::Quantity;
@@ -60,7 +60,13 @@ impl Scene {
             [Quantity::SurfaceHeight { surface }, tilt(0), tilt(1)]
         });
         let world = gravity.chain(laws).chain(at_collisions);
-        world.chain(links).chain(tracks).chain(faces).collect()
+        let joints = self.joint_trees().flat_map(|(_, tree)| &tree.joints);
+        // Their axes may be suspected, not freed: from axes that are off few motions are found.
+        let joints = joints
+            .flat_map(Joint::quantities)
+            .filter(|quantity| matches!(quantity, Quantity::JointPlace { .. }));
+        let all = world.chain(links).chain(tracks).chain(faces);
+        all.chain(joints).collect()
     }
 
     fn quantities_of(&self, link: LinkIndex) -> Vec<Quantity> {
@@ -84,6 +90,7 @@ impl Scene {
         let link = |link: LinkIndex| &self.links[link].name;
         let seen = |track: TrackIndex| &self.tracks[track].name;
         let surface = |surface: usize| &self.surfaces[surface].name;
+        let joint = |child: LinkIndex| self.joint_of(child).map_or("", |joint| &joint.name);
         match quantity {
             Quantity::Gravity { axis } => format!("gravity.{}", AXES[axis]),
             Quantity::Restitution { law: of } => format!("{}.restitution", law(of)),
@@ -120,18 +127,13 @@ impl Scene {
                 tangent,
             } => format!("{}.tilt.{tangent}", surface(of)),
             Quantity::JointPlace { child, end, axis } => {
-                let within = match end {
-                    JointEnd::Child => Some(child),
-                    JointEnd::Parent => self.joint_of(child).and_then(|joint| joint.parent),
+                let end = match end {
+                    JointEnd::Child => "child",
+                    JointEnd::Parent => "parent",
                 };
-                let within = within.map_or("the world".to_owned(), |of| format!("`{}`", link(of)));
-                let joint = self.joint_of(child).map_or("", |joint| &joint.name);
-                format!("place of `{joint}` in {within} along {}", AXES[axis])
+                format!("{}.{end}.{}", joint(child), AXES[axis])
             }
-            Quantity::JointTurn { child, about } => {
-                let joint = self.joint_of(child).map_or("", |joint| &joint.name);
-                format!("turn of the axes of `{joint}`, {about}")
-            }
+            Quantity::JointTurn { child, about } => format!("{}.turn.{about}", joint(child)),
         }
     }
 
@@ -183,10 +185,6 @@ impl Scene {
             Quantity::LinearDrag { link } => self.links[link].body.drag().linear_per_s,
             Quantity::QuadraticDrag { link } => self.links[link].body.drag().quadratic_per_m,
             Quantity::Moment { .. } | Quantity::Mass { .. } => 1.0,
-            Quantity::JointPlace { child, end, axis } => {
-                let joint = self.joint_of(child);
-                joint.map_or(0.0, |joint| joint.place_m(end)[axis])
-            }
             Quantity::Centre { .. }
             | Quantity::TrackerPosition { .. }
             | Quantity::TrackerOrientation { .. }
@@ -197,6 +195,7 @@ impl Scene {
             | Quantity::ContactDuration { .. }
             | Quantity::SurfaceHeight { .. }
             | Quantity::SurfaceTilt { .. }
+            | Quantity::JointPlace { .. }
             | Quantity::JointTurn { .. } => 0.0,
         }
     }

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::quantity::Quantity;
 use crate::math::{Pose, so3};
 use crate::motion::index::LinkIndex;
 use crate::physics::Body;
@@ -39,13 +40,23 @@ impl Joint {
         }
     }
 
-    /// Puts it elsewhere in the axes of one of the two \[m\].
-    pub(super) fn put(&mut self, end: JointEnd, axis: usize, at_m: f64) {
+    /// What of it may be elsewhere than the scene says: its places in both that it ties, and its axes.
+    pub fn quantities(&self) -> impl Iterator<Item = Quantity> + use<> {
+        let child = self.child;
+        let ends = [JointEnd::Parent, JointEnd::Child].into_iter();
+        let places = ends
+            .flat_map(move |end| (0..3).map(move |axis| Quantity::JointPlace { child, end, axis }));
+        let turns = 0..self.turns().len();
+        places.chain(turns.map(move |about| Quantity::JointTurn { child, about }))
+    }
+
+    /// Moves it in the axes of one of the two \[m\].
+    pub(super) fn shift(&mut self, end: JointEnd, axis: usize, by_m: f64) {
         let pose = match end {
             JointEnd::Parent => &mut self.joint.parent_from_joint,
             JointEnd::Child => &mut self.joint.link_from_joint,
         };
-        pose.translation.vector[axis] = at_m;
+        pose.translation.vector[axis] += by_m;
     }
 
     /// Keeps it where it is on a link whose axes move with its centre of mass [m, link axes].

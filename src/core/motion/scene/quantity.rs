@@ -132,7 +132,7 @@ pub enum Quantity {
         /// Tangent, 0 or 1.
         tangent: usize,
     },
-    /// Where a joint is in the axes of one of the two that it ties \[m\].
+    /// How far a joint is from where the scene has it, in the axes of one of the two that it ties \[m\].
     JointPlace {
         /// What hangs on the joint.
         child: LinkIndex,

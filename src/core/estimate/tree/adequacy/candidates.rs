@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::linear::{Linear, LinearChange};
 use crate::estimate::tree::point::TreePoint;
 use crate::estimate::tree::problem::TreeProblem;
-use crate::motion::{ContactLawIndex, JointEnd, Mechanism, Quantity, Scene};
+use crate::motion::{ContactLawIndex, Joint, Mechanism, Quantity, Scene};
 use crate::optimise::active::ActiveSet;
 
 /// Share of a typical change by which a quantity is moved to tell how residuals change.
@@ -22,14 +22,8 @@ pub(super) fn candidates(scene: &Scene, problem: &TreeProblem) -> Vec<Quantity> 
         Mechanism::Tree(joined) => Some(joined),
         Mechanism::Free(_) | Mechanism::Apart(_) => None,
     });
-    let joints = trees.flat_map(|joined| &joined.joints).flat_map(|joint| {
-        let child = joint.child;
-        let ends = [JointEnd::Parent, JointEnd::Child].into_iter();
-        let places = ends
-            .flat_map(move |end| (0..3).map(move |axis| Quantity::JointPlace { child, end, axis }));
-        let turns = 0..joint.turns().len();
-        places.chain(turns.map(move |about| Quantity::JointTurn { child, about }))
-    });
+    let joints = trees.flat_map(|joined| &joined.joints);
+    let joints = joints.flat_map(Joint::quantities);
     let events = problem
         .events
         .iter()
