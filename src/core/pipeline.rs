@@ -39,10 +39,14 @@ use self::stages::doubts;
 use crate::estimate::{LastState, Solved};
 use crate::motion::{
     Counted, Diagnosis, Doubt, End, EventKind, Fits, Mark, Observer, Phase, Scene, Stamp,
-    TakeEvent, TrackIndex, Verdict,
+    TakeEvent, TrackIndex, Verdict, WorkLimited,
 };
 use crate::segment;
 use crate::verify::verify_until;
+
+/// Least number of looks at samples that may follow the estimation of a motion: all that is tried for a better one, and
+/// again all diagnoses. It may be as much as the estimation took.
+const LOOKS: usize = 1_000_000;
 
 /// One take of one scene, to be estimated.
 #[derive(Clone, Debug)]
@@ -260,44 +264,67 @@ impl Pipeline {
                 sought: None,
             });
         }
-        let mut counted = Counted { observer, work: 0 };
+        let mut counted = Counted {
+            observer,
+            steps: 0,
+            looks: 0,
+        };
         let mut solved = self.solved(scene, &mut counted)?;
-        let Counted { observer, work } = counted;
-        let sought = rest::seek(&mut solved, &self.events, observer);
-        let mut led = self.judged(&mut solved, observer)?;
+        let Counted {
+            observer,
+            steps,
+            looks,
+        } = counted;
+        let following = LOOKS.max(looks);
+        let after = &mut WorkLimited {
+            observer,
+            looks: following,
+            steps: 0,
+        };
+        let sought = rest::seek(&mut solved, &self.events, after);
+        let mut led = self.judged(&mut solved, after)?;
         let mut freed = Vec::new();
         if self.is_free_auto && sought.is_none() {
-            (solved, freed) = free::free(solved, &self.events, observer)?;
+            (solved, freed) = free::free(solved, &self.events, after)?;
         }
         let predicting = self.is_predicting.then_some(&solved.inferred.solved);
         let known = predicting.and_then(Solved::last_states);
         let may_keep_out = !self.is_predicting && sought.is_none();
         let overlapping = may_keep_out.then(|| solved.clone());
-        let mut outcome = solved.outcome(observer);
+        let mut outcome = solved.outcome(after.observer);
         if self.is_predicting {
             outcome.end_where_it_touches();
         }
-        checked(&mut outcome, led, Vec::new(), observer);
-        if may_keep_out && let Some(ended) = self.ended_early(scene, &outcome, observer) {
+        checked(&mut outcome, led, Vec::new(), after.observer);
+        if may_keep_out && let Some(ended) = self.ended_early(scene, &outcome, after) {
             return Ok(ended);
         }
         let overlapping = overlapping.filter(|_| only_overlaps(&outcome));
-        if let Some(mut kept) = overlapping.and_then(|of| kept_out(of, observer)) {
-            kept.refine_again(observer);
-            led = self.judged(&mut kept, observer)?;
+        if let Some(mut kept) = overlapping.and_then(|of| kept_out(of, after)) {
+            kept.refine_again(after);
+            led = self.judged(&mut kept, after)?;
             let passed = kept.inferred.solved.just_passed(scene.tolerance_m);
-            let mut other = kept.outcome(observer);
-            checked(&mut other, led, passed, observer);
+            let mut other = kept.outcome(after.observer);
+            checked(&mut other, led, passed, after.observer);
             let still_fits = other.estimate.fits() != Fits::No;
             if still_fits && !goes_into_something(&other) {
                 outcome = other;
             }
         }
         outcome.freed = freed;
+        if after.is_used_up() {
+            let steps = outcome.estimate.counters.iterations;
+            outcome
+                .estimate
+                .reason
+                .unfinished_after_steps
+                .get_or_insert(steps);
+        }
         // What was led to its rest is as far from the performance as that takes.
         let is_led = matches!(outcome.estimate.reason.end, End::Simulated(_));
         if self.is_diagnosing && !is_led {
-            outcome.diagnoses = diagnose(scene, &self.events, Some(&outcome), work, observer);
+            after.looks = following;
+            outcome.diagnoses = diagnose(scene, &self.events, Some(&outcome), steps, after);
         }
         Ok(Finished {
             outcome,
@@ -311,7 +338,7 @@ impl Pipeline {
         &self,
         scene: &Scene,
         outcome: &Outcome,
-        observer: &mut dyn Observer,
+        after: &mut WorkLimited,
     ) -> Option<Finished> {
         let overlaps = outcome.verification.as_ref()?.deepest.is_some();
         let early = (self.may_end_early && overlaps).then(|| EarlyEnd::of(outcome))??;
@@ -321,8 +348,8 @@ impl Pipeline {
             may_end_early: false,
             ..*self
         };
-        let mut ended = take.finished(scene, observer).ok()?;
-        if goes_into_something(&ended.outcome) {
+        let mut ended = take.finished(scene, after).ok()?;
+        if after.is_used_up() || goes_into_something(&ended.outcome) {
             return None;
         }
         early.tell(&mut ended.outcome);
@@ -335,10 +362,10 @@ impl Pipeline {
     fn judged(
         &self,
         take: &mut Performed,
-        observer: &mut dyn Observer,
+        after: &mut WorkLimited,
     ) -> Result<Option<LedByGoals>, PipelineError> {
-        take.judge(observer);
-        let led = LedByGoals::of(take, &self.events, observer)?;
+        take.judge(after.observer);
+        let led = LedByGoals::of(take, &self.events, after)?;
         if let Some(led) = &led {
             led.clear(take);
         }

@@ -139,7 +139,7 @@ pub fn reason_text(scene: &Scene, reason: &Reason) -> String {
         format!("the search ended after {bounds} bounds: other contacts may fit better; ")
     });
     let unfinished = reason.unfinished_after_steps.map(|steps| {
-        format!("the solver ended after {steps} steps: from other starts another motion may fit better; ")
+        format!("the solver ended after {steps} steps: with more work another motion may be found that fits better; ")
     });
     let [unproven, unfinished] = [unproven, unfinished].map(Option::unwrap_or_default);
     unproven + &unfinished + &text

@@ -143,8 +143,7 @@ fn reasons_have_words_and_numbers() {
         assert_eq!(line.unproven_after_bounds, Some(7));
         // So are starts that were not tried to their ends.
         reason.unfinished_after_steps = Some(300);
-        let unfinished =
-            "the solver ended after 300 steps: from other starts another motion may fit better; ";
+        let unfinished = "the solver ended after 300 steps: with more work another motion may be found that fits better; ";
         assert_eq!(
             reason_text(&scene, &reason),
             format!("{unproven}{unfinished}{text}")

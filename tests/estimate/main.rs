@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod along;
+mod bounded;
 mod brief_flights;
 mod covariance;
 mod cube_toss;

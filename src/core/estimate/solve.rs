@@ -25,16 +25,14 @@ use crate::estimate::unknowns::layout::Layout;
 use crate::estimate::unknowns::point::Point;
 use crate::motion::{
     Counters, Estimate, FitUntold, Guess, Observer, Performance, Phase, Scene, Segment, Sketch,
-    StepLimited, VelocityGaps, Verdict,
+    VelocityGaps, Verdict, WorkLimited,
 };
 use crate::optimise::{Program, Work};
-use crate::physics::body::Symmetry;
 
-/// Greatest number of looks at a sample in a stage of a solve, and least number of steps that it may take all the same.
-const LOOKS: usize = 1_000_000;
-const LEAST_STEPS: usize = 200;
-/// How many looks one is worth where three moments differ: rotations have no closed form.
-const STEPPED: usize = 4;
+/// Greatest number of looks at a sample in a stage of a solve, and of iterations that it may take all the same: far from any
+/// motion it may go on for minutes.
+const LOOKS: usize = 1_500_000;
+const LEAST_STEPS: usize = 60;
 
 /// An estimate with the solution from which its deviations are computed.
 #[derive(Clone, Debug)]
@@ -258,7 +256,7 @@ impl Posed {
 
     /// The best of the solutions from guesses, within the work that a stage may take.
     fn best(&self, guesses: &[Guess], recipe: &Recipe, observer: &mut dyn Observer) -> Best {
-        let mut bounded = self.bounded(observer);
+        let mut bounded = bounded(observer);
         let mut best = best(&self.problem, &self.layout, guesses, recipe, &mut bounded);
         best.is_unfinished = bounded.is_used_up();
         best.solution.stopped &= !best.is_unfinished;
@@ -266,23 +264,19 @@ impl Posed {
     }
 
     fn solve(&self, guess: &Guess, recipe: &Recipe, observer: &mut dyn Observer) -> Solution {
-        let mut bounded = self.bounded(observer);
+        let mut bounded = bounded(observer);
         let mut found = recipe::solve(&self.problem, &self.layout, guess, recipe, &mut bounded);
         found.stopped &= !bounded.is_used_up();
         found
     }
+}
 
-    /// The observer of a stage: its work is limited, since far from any motion a solve may go on for minutes.
-    fn bounded<'o>(&self, observer: &'o mut dyn Observer) -> StepLimited<'o> {
-        let looks = self.problem.views().map(|(arc, view)| {
-            let is_stepped = self.problem.body_of(arc).symmetry() == Symmetry::Asymmetric;
-            view.samples.len() * if is_stepped { STEPPED } else { 1 }
-        });
-        let steps = LOOKS / looks.sum::<usize>().max(1);
-        StepLimited {
-            observer,
-            left: steps.max(LEAST_STEPS),
-        }
+/// The observer of a stage, whose work is limited.
+fn bounded(observer: &mut dyn Observer) -> WorkLimited<'_> {
+    WorkLimited {
+        observer,
+        looks: LOOKS,
+        steps: LEAST_STEPS,
     }
 }
 

@@ -53,7 +53,7 @@ pub use held::{Driven, HeldMotion};
 pub use index::{ContactLawIndex, LinkIndex, MechanismIndex, TrackIndex};
 pub use joined::{TrackResidual, TreeEstimate, TreeKnot};
 pub use keyframe::{Keyframe, KeyframeTime, Mount, SketchRow};
-pub use observe::{Counted, Observer, Phase, Quiet, StepLimited};
+pub use observe::{Counted, Observer, Phase, Quiet, WorkLimited};
 pub use open::Contacts;
 pub use performance::Performance;
 pub use reason::{End, Measured, Progress, Reason};

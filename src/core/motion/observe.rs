@@ -63,22 +63,30 @@ pub trait Observer {
         let _ = phase;
     }
 
-    /// Called between iterations; `true` ends the run with the result so far.
+    /// Called now and then; `true` ends the run with the result so far.
     fn should_stop(&mut self) -> bool {
         false
+    }
+
+    /// Called between iterations of a solve with the work of one, in looks at a sample; `true` ends the solve as
+    /// [`should_stop`](Self::should_stop) does.
+    fn worked(&mut self, looks: usize) -> bool {
+        let _ = looks;
+        self.should_stop()
     }
 }
 
 /// No observer.
 impl Observer for () {}
 
-/// An observer that counts the looks whether a run should stop: its work in iterations, by which costs are limited
-/// where no clock may count.
+/// An observer that counts work, by which costs are limited where no clock may count.
 pub struct Counted<'a> {
     /// What is told and asked.
     pub observer: &'a mut dyn Observer,
-    /// How often it was asked.
-    pub work: usize,
+    /// How often it was asked: about once an iteration.
+    pub steps: usize,
+    /// Looks at samples.
+    pub looks: usize,
 }
 
 impl Observer for Counted<'_> {
@@ -87,37 +95,51 @@ impl Observer for Counted<'_> {
     }
 
     fn should_stop(&mut self) -> bool {
-        self.work += 1;
+        self.steps += 1;
         self.observer.should_stop()
     }
-}
 
-/// An observer that ends a stage after so many looks whether it should stop, a limit of work where no clock may count.
-pub struct StepLimited<'a> {
-    /// What is told and asked.
-    pub observer: &'a mut dyn Observer,
-    /// How often it may still be asked.
-    pub left: usize,
-}
-
-impl StepLimited<'_> {
-    /// Whether it ended the stage, and not what it asks.
-    pub fn is_used_up(&mut self) -> bool {
-        self.left == 0 && !self.observer.should_stop()
+    fn worked(&mut self, looks: usize) -> bool {
+        self.steps += 1;
+        self.looks += looks;
+        self.observer.worked(looks)
     }
 }
 
-impl Observer for StepLimited<'_> {
+/// An observer that ends a stage when its work is done, a limit where no clock may count.
+pub struct WorkLimited<'a> {
+    /// What is told and asked.
+    pub observer: &'a mut dyn Observer,
+    /// Looks at samples that are left,
+    pub looks: usize,
+    /// and iterations that may be made even so.
+    pub steps: usize,
+}
+
+impl WorkLimited<'_> {
+    /// Whether it ended the stage, and not what it asks.
+    pub fn is_used_up(&mut self) -> bool {
+        self.is_over() && !self.observer.should_stop()
+    }
+
+    fn is_over(&self) -> bool {
+        self.looks == 0 && self.steps == 0
+    }
+}
+
+impl Observer for WorkLimited<'_> {
     fn phase(&mut self, phase: Phase) {
         self.observer.phase(phase);
     }
 
     fn should_stop(&mut self) -> bool {
-        let Some(left) = self.left.checked_sub(1) else {
-            return true;
-        };
-        self.left = left;
-        self.observer.should_stop()
+        self.is_over() || self.observer.should_stop()
+    }
+
+    fn worked(&mut self, looks: usize) -> bool {
+        self.looks = self.looks.saturating_sub(looks);
+        self.steps = self.steps.saturating_sub(1);
+        self.observer.worked(looks) || self.is_over()
     }
 }
 
@@ -127,5 +149,9 @@ pub struct Quiet<'a>(pub &'a mut dyn Observer);
 impl Observer for Quiet<'_> {
     fn should_stop(&mut self) -> bool {
         self.0.should_stop()
+    }
+
+    fn worked(&mut self, looks: usize) -> bool {
+        self.0.worked(looks)
     }
 }

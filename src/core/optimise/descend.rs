@@ -93,14 +93,14 @@ impl<'a, P: Program> Descent<'a, P> {
         self.work.evaluations += 1;
     }
 
-    /// Descends on the augmented Lagrangian from a `λ` clipped to [`DAMPING`], until `should_stop` returns true at
-    /// the latest; returns the number of steps.
+    /// Descends on the augmented Lagrangian from a `λ` clipped to [`DAMPING`], until `should_stop`, which is told
+    /// the work of each step, returns true at the latest; returns the number of steps.
     pub fn run(
         &mut self,
         guidance: &P::Guidance,
         lagrangian: &AugmentedLagrangian,
         patience: Patience,
-        should_stop: &mut dyn FnMut() -> bool,
+        should_stop: &mut dyn FnMut(usize) -> bool,
     ) -> usize {
         self.damping = self.damping.clamp(DAMPING.0, DAMPING.1);
         self.go_on(guidance, lagrangian, patience, should_stop)
@@ -112,12 +112,12 @@ impl<'a, P: Program> Descent<'a, P> {
         guidance: &P::Guidance,
         lagrangian: &AugmentedLagrangian,
         patience: Patience,
-        should_stop: &mut dyn FnMut() -> bool,
+        should_stop: &mut dyn FnMut(usize) -> bool,
     ) -> usize {
         let mut growth = 2.0;
         let mut idle = 0;
         for step in 1..=patience.steps {
-            if should_stop() {
+            if should_stop(self.program.iteration_work(&self.point).plain) {
                 return step - 1;
             }
             let before = lagrangian.merit(&self.system);

@@ -111,7 +111,7 @@ impl<P: Program> Finish<'_, P> {
         &mut self,
         guidance: &P::Guidance,
         tolerances: &Tolerances,
-        should_stop: &mut dyn FnMut() -> bool,
+        should_stop: &mut dyn FnMut(usize) -> bool,
     ) -> Finished {
         let mut trial = self.here();
         let mut finished = Finished {
@@ -130,7 +130,8 @@ impl<P: Program> Finish<'_, P> {
             let is_damped = self.damping > 0.0;
             let is_over = taken_before >= tolerances.steps && !(is_damped || was_damped);
             was_damped = is_damped;
-            if is_over || should_stop() {
+            let each = self.program.iteration_work(&self.point).curved;
+            if is_over || should_stop(each) {
                 break;
             }
             self.work.iterations += 1;

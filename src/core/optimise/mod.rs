@@ -30,7 +30,7 @@ pub mod system;
 pub mod trust;
 mod work;
 
-pub use self::program::Program;
+pub use self::program::{IterationWork, Program};
 pub use self::schedule::{Schedule, Solution, Stage, Watch, solve};
 pub use self::system::{Structure, System};
 pub use self::work::Work;

@@ -47,6 +47,11 @@ pub trait Program {
     /// `to = from ⊞ step`.
     fn retract(&self, from: &Self::Point, step: &DVector<f64>, to: &mut Self::Point);
 
+    /// The work of an iteration at a point, in a unit of the program's own.
+    fn iteration_work(&self, _point: &Self::Point) -> IterationWork {
+        IterationWork::default()
+    }
+
     /// Diagonal of the Levenberg–Marquardt damping matrix at `λ = 1`: `10/s²` times the least
     /// [`Program::information`], with a typical step length `s` for every kind of unknown.
     fn damping(&self) -> DVector<f64>;
@@ -79,4 +84,13 @@ pub trait Program {
         multipliers: &[f64],
         hessian: &mut Envelope,
     );
+}
+
+/// The work of an iteration, counted and not timed: limits of it end a solve at the same place on every machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct IterationWork {
+    /// Without second derivatives,
+    pub plain: usize,
+    /// and with them.
+    pub curved: usize,
 }

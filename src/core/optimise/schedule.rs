@@ -146,6 +146,11 @@ pub trait Watch {
     fn should_stop(&mut self) -> bool {
         false
     }
+
+    /// The same before an iteration of so much work ([`Program::iteration_work`](super::Program::iteration_work)).
+    fn worked(&mut self, _work: usize) -> bool {
+        self.should_stop()
+    }
 }
 
 /// No observer.
@@ -202,7 +207,9 @@ pub fn solve<P: Program>(
             steps: schedule.sweep_steps,
             gain: schedule.gain,
         };
-        descent.run(&leading, &lagrangian, patience, &mut || watch.should_stop());
+        descent.run(&leading, &lagrangian, patience, &mut |work| {
+            watch.worked(work)
+        });
         if watch.should_stop() {
             break;
         }
@@ -290,8 +297,8 @@ fn conclude<P: Program>(
     if finish.program.is_open() {
         tolerances.decrease = tolerances.decrease.max(OPEN_DECREASE);
     }
-    let finished = finish.run(exact, &tolerances, &mut || {
-        stopped |= watch.should_stop();
+    let finished = finish.run(exact, &tolerances, &mut |work| {
+        stopped |= watch.worked(work);
         stopped
     });
     Solution {
@@ -323,7 +330,9 @@ fn tighten<P: Program>(
     let mut violation = f64::INFINITY;
     let mut stalled = 0;
     for _ in 0..rounds {
-        descent.run(guidance, lagrangian, patience, &mut || watch.should_stop());
+        descent.run(guidance, lagrangian, patience, &mut |work| {
+            watch.worked(work)
+        });
         lagrangian.update(&descent.system);
         let now = descent.system.violation();
         let is_stalled = now > STALLED * violation && lagrangian.weight >= schedule.weight_max();

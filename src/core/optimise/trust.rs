@@ -67,7 +67,7 @@ pub fn approach<P: Program>(
     start: P::Point,
     guidance: &P::Guidance,
     nearness: &Nearness,
-    should_stop: &mut dyn FnMut() -> bool,
+    should_stop: &mut dyn FnMut(usize) -> bool,
 ) -> Near<P::Point> {
     let mut point = start;
     let mut system = program.evaluated(guidance, &point);
@@ -84,7 +84,7 @@ pub fn approach<P: Program>(
     let mut held = vec![false; system.row_count()];
     let (mut is_slow, mut last) = (false, f64::INFINITY);
     'steps: for number in 0..nearness.steps {
-        if should_stop() {
+        if should_stop(program.iteration_work(&point).plain) {
             break;
         }
         let mut hessian = system.hessian.clone();

@@ -8,7 +8,7 @@ use crate::estimate::terms::context::{Guidance, SolveContext};
 use crate::estimate::terms::objective::Objective;
 use crate::estimate::unknowns::point::Point;
 use crate::optimise::envelope::Envelope;
-use crate::optimise::{Program, Structure, System};
+use crate::optimise::{IterationWork, Program, Structure, System};
 use crate::physics::state;
 
 /// Typical step lengths `s` of the damping `10/s²` ([`Program::damping`]).
@@ -54,6 +54,10 @@ impl Program for SolveContext<'_> {
 
     fn retract(&self, from: &Point, step: &DVector<f64>, to: &mut Point) {
         to.retract_from(from, self.problem, self.layout, step);
+    }
+
+    fn iteration_work(&self, point: &Point) -> IterationWork {
+        self.looks(point)
     }
 
     /// Parameters by the width of their bounds or their prior.

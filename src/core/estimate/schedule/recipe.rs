@@ -2,14 +2,15 @@
 
 use super::events;
 use super::hand_on::hand_on;
+use super::work::Watched;
 use crate::estimate::constraint::collision;
 use crate::estimate::posing::waypoint;
 use crate::estimate::problem::Problem;
 use crate::estimate::terms::context::{Guidance, SolveContext};
 use crate::estimate::unknowns::layout::Layout;
 use crate::estimate::unknowns::point::Point;
-use crate::motion::{Guess, Observer, Phase};
-use crate::optimise::{self, Program, Schedule, Stage, Watch};
+use crate::motion::{Guess, Observer};
+use crate::optimise::{self, Program, Schedule, Stage};
 
 /// Settings; the defaults are what the studies in `tools/` measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -183,22 +184,5 @@ impl Lead {
             },
             Stage::Finish => Guidance::none(),
         }
-    }
-}
-
-/// The observer as the optimiser's [`Watch`].
-pub(in crate::estimate) struct Watched<'o>(pub(in crate::estimate) &'o mut dyn Observer);
-
-impl Watch for Watched<'_> {
-    fn begins(&mut self, stage: Stage) {
-        self.0.phase(match stage {
-            Stage::Sweep { .. } => Phase::Sweep,
-            Stage::Multipliers => Phase::Multipliers,
-            Stage::Finish => Phase::Finish,
-        });
-    }
-
-    fn should_stop(&mut self) -> bool {
-        self.0.should_stop()
     }
 }

@@ -292,7 +292,7 @@ impl<'a> Tightening<'a> {
             let patience = Patience { steps, gain };
             let of_half = self
                 .descent
-                .go_on(guidance, &self.lagrangian, patience, &mut || false);
+                .go_on(guidance, &self.lagrangian, patience, &mut |_| false);
             taken += of_half;
             *half = before - self.lagrangian.merit(&self.descent.system);
             if of_half < steps {

@@ -1,7 +1,7 @@
 //! A motion whose samples err in time: solved again with the errors of a hand that its residuals make likely, until these
 //! stay the same.
 
-use super::{Posed, Solved, add};
+use super::{Posed, Solved, add, bounded};
 use crate::estimate::adequacy;
 use crate::estimate::covariance::in_time::{InTime, Strayed, likely};
 use crate::estimate::covariance::linearised::{free_count, is_too_free};
@@ -112,6 +112,7 @@ fn refined(
     let mut may_be_expected = is_motion;
     let mut best: Option<(Posed, Solution)> = None;
     let mut work = Work::default();
+    let observer = &mut bounded(observer);
     for _ in 0..=ROUNDS {
         if observer.should_stop() {
             break;
@@ -131,7 +132,7 @@ fn refined(
             from.clone(),
             epochs_s.to_vec(),
             &recipe,
-            &mut woven.bounded(observer),
+            observer,
         );
         work.add(&found.work);
         if !found.finished.converged {

@@ -178,7 +178,9 @@ fn fit(
         gain: PATIENCE.gain * information.0,
         ..PATIENCE
     };
-    descent.run(&part, &lagrangian, patience, &mut || observer.should_stop());
+    descent.run(&part, &lagrangian, patience, &mut |looks| {
+        observer.worked(looks)
+    });
     work.add(&descent.work);
     let (point, cost) = (descent.point, descent.system.cost);
     problem.part_at(&point);

@@ -6,7 +6,7 @@ use super::problem::TreeProblem;
 use super::program::TreeProgram;
 use super::time_line::TimeLine;
 use super::walk::EXACTLY;
-use crate::estimate::schedule::recipe::Watched;
+use crate::estimate::schedule::work::Watched;
 use crate::motion::Observer;
 use crate::optimise::trust::{self, Nearness};
 use crate::optimise::{self, Schedule, Solution, Stage, Work};
@@ -38,7 +38,7 @@ pub(super) fn approached(
     work: &mut Work,
     observer: &mut dyn Observer,
 ) -> TreePoint {
-    let stop = &mut || observer.should_stop();
+    let stop = &mut |looks| observer.worked(looks);
     let near = trust::approach(program, point, &Part::whole(), &NEARNESS, stop);
     work.add(&near.work);
     near.point

@@ -261,8 +261,8 @@ pub(super) fn swept(
             steps: SWEEP.1,
             gain: SWEEP.2 * least,
         };
-        descent.run(&whole, &lagrangian, patience, &mut || {
-            observer.should_stop()
+        descent.run(&whole, &lagrangian, patience, &mut |looks| {
+            observer.worked(looks)
         });
         if observer.should_stop() {
             break;

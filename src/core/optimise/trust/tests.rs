@@ -38,7 +38,7 @@ impl Nearest {
             decrease: 1e-10,
             violation: 1e-9,
         };
-        let near = approach(self, start, &(), &nearness, &mut || false);
+        let near = approach(self, start, &(), &nearness, &mut |_| false);
         (near.point, near.work.iterations)
     }
 }

@@ -78,9 +78,13 @@ pub(super) struct OfOne<'b, 'a> {
 
 impl Observer for OfOne<'_, '_> {
     fn should_stop(&mut self) -> bool {
+        self.worked(0)
+    }
+
+    fn worked(&mut self, looks: usize) -> bool {
         self.left = self.left.saturating_sub(1);
         self.budget.left = self.budget.left.saturating_sub(1);
-        self.left == 0 || self.budget.is_over()
+        self.budget.observer.worked(looks) || self.left == 0 || self.budget.left == 0
     }
 }
 
