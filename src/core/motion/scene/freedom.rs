@@ -12,6 +12,18 @@ use crate::physics::contact;
 /// Names of the axes.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
+impl Joint {
+    /// What of it may be elsewhere than the scene says: its places in both that it ties, and its axes.
+    pub fn quantities(&self) -> impl Iterator<Item = Quantity> + use<> {
+        let child = self.child;
+        let ends = [JointEnd::Parent, JointEnd::Child].into_iter();
+        let places = ends
+            .flat_map(move |end| (0..3).map(move |axis| Quantity::JointPlace { child, end, axis }));
+        let turns = 0..self.turns().len();
+        places.chain(turns.map(move |about| Quantity::JointTurn { child, about }))
+    }
+}
+
 impl Link {
     /// The first axis whose moment equals that about `axis`: it names them.
     pub fn moment_axis(&self, axis: usize) -> usize {

@@ -2,7 +2,6 @@
 
 use nalgebra::Vector3;
 
-use super::quantity::Quantity;
 use crate::math::{Pose, so3};
 use crate::motion::index::LinkIndex;
 use crate::physics::Body;
@@ -38,16 +37,6 @@ impl Joint {
             JointEnd::Parent => self.joint.parent_from_joint.translation.vector,
             JointEnd::Child => self.joint.link_from_joint.translation.vector,
         }
-    }
-
-    /// What of it may be elsewhere than the scene says: its places in both that it ties, and its axes.
-    pub fn quantities(&self) -> impl Iterator<Item = Quantity> + use<> {
-        let child = self.child;
-        let ends = [JointEnd::Parent, JointEnd::Child].into_iter();
-        let places = ends
-            .flat_map(move |end| (0..3).map(move |axis| Quantity::JointPlace { child, end, axis }));
-        let turns = 0..self.turns().len();
-        places.chain(turns.map(move |about| Quantity::JointTurn { child, about }))
     }
 
     /// Moves it in the axes of one of the two \[m\].
