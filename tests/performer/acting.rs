@@ -106,40 +106,6 @@ fn the_wander_is_as_large_as_asked() {
     close(turn_rad, 2_f64.to_radians(), 0.06);
 }
 
-/// Products of errors some samples apart are what the covariance says, on average.
-#[test]
-fn errors_go_together_as_their_covariance_says() {
-    let acting = Acting {
-        distortion: 1.0,
-        wander_pace: 2.5,
-        ..Acting::exact()
-    };
-    for apart in [0, 5, 15, 30] {
-        let (mut sums, mut count) = ([0.0; 2], 0.0);
-        let lag_s = apart as f64 / acting.rate_hz;
-        for seed in 0..400 {
-            let performance = perform(&Style::Tip.truth(), &acting, seed);
-            let errors = errors(&performance);
-            for (one, other) in errors.iter().zip(&errors[apart..]) {
-                sums[0] += one.0.dot(&other.0);
-                sums[1] += one.1.dot(&other.1);
-                count += 3.0;
-            }
-        }
-        let told = acting.covariance(lag_s);
-        let sizes = acting.covariance(0.0);
-        for kind in 0..2 {
-            // As good as so many takes tell: each has about one independent value an axis.
-            let off = (sums[kind] / count - told[kind]).abs();
-            assert!(
-                off < 0.1 * sizes[kind],
-                "{apart} {kind}: {off} of {}",
-                sizes[kind]
-            );
-        }
-    }
-}
-
 #[test]
 fn the_noise_is_as_large_as_asked() {
     // 97 samples × 3 axes × 200 takes: a standard error of 0.3 %.

@@ -2,7 +2,6 @@
 
 use enact::estimate::adequacy;
 use enact::estimate::covariance::Covariance;
-use enact::estimate::outcome;
 use enact::estimate::schedule::recipe::{self, Recipe};
 use enact::estimate::solve;
 use enact::estimate::terms::context::{Guidance, SolveContext};
@@ -12,7 +11,6 @@ use enact::optimise::{Program, System};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use crate::case::{Case, Posed};
-use crate::perform::Acting;
 
 /// Errors of all unknowns and what they should be.
 pub struct Uncertainty {
@@ -50,7 +48,7 @@ impl Uncertainty {
         let covariance = Covariance::new(&context, point, system, multipliers, Some(&in_time))?;
         let all: Vec<usize> = (0..layout.size()).collect();
         let library = covariance.of(&all);
-        let Exact { free, scale, exact } = Exact::of(&context, system, hessian(&context, system))?;
+        let Exact { free, scale, exact } = Exact::of(&context, system)?;
         Some(Self {
             error: error(case, posed, point, &context.epochs_s, offset_s),
             exact,
@@ -87,64 +85,7 @@ pub fn bound(case: &Case, posed: &Posed, sketch: &Sketch) -> Option<DMatrix<f64>
     let point = Point::new(problem, &guess);
     let context = SolveContext::new(problem, layout, recipe::epochs_s(&guess), &point);
     let system = context.evaluated(&Guidance::none(), &point);
-    Some(Exact::of(&context, &system, hessian(&context, &system))?.exact)
-}
-
-/// The same where samples err as who acts them and the tracker make them err: a hand's wander goes on from sample to sample.
-pub fn bound_of_hand(
-    case: &Case,
-    posed: &Posed,
-    sketch: &Sketch,
-    acting: &Acting,
-) -> Option<DMatrix<f64>> {
-    let (problem, layout) = (&posed.problem, &posed.layout);
-    let guess = case.true_guess(posed, sketch);
-    let point = Point::new(problem, &guess);
-    let context = SolveContext::new(problem, layout, recipe::epochs_s(&guess), &point);
-    let system = context.evaluated(&Guidance::none(), &point);
-    let views = posed.segments.iter().flat_map(|segment| &segment.views);
-    let samples = views.flat_map(|view| sketch.samples_of(view));
-    let times_s: Vec<f64> = samples.map(|sample| sample.acted_s).collect();
-    let slopes = slopes(&context, &point);
-    assert_eq!(slopes.nrows(), 6 * times_s.len());
-    let mut information = DMatrix::zeros(layout.size(), layout.size());
-    for kind in 0..2 {
-        let covariance = DMatrix::from_fn(times_s.len(), times_s.len(), |one, other| {
-            acting.covariance(times_s[one] - times_s[other])[kind]
-        });
-        let factor = covariance.cholesky()?.unpack();
-        for axis in 0..3 {
-            let rows = (0..times_s.len()).map(|sample| slopes.row(6 * sample + 3 * kind + axis));
-            let rows = DMatrix::from_rows(&rows.collect::<Vec<_>>());
-            let white = factor.solve_lower_triangular(&rows)?;
-            information += white.tr_mul(&white);
-        }
-    }
-    Some(Exact::of(&context, &system, information)?.exact)
-}
-
-/// Derivatives of all residuals [m and rad, sample by sample] by all unknowns.
-fn slopes(context: &SolveContext, point: &Point) -> DMatrix<f64> {
-    const STEP: f64 = 1e-6;
-    let (problem, layout) = (context.problem, context.layout);
-    let at = |unknown: usize, by: f64| -> DVector<f64> {
-        let mut delta = DVector::zeros(layout.size());
-        delta[unknown] = by;
-        let mut there = point.clone();
-        there.retract_from(point, problem, layout, &delta);
-        let errors = outcome::errors(problem, context, &there);
-        let views = problem.views().zip(&errors);
-        let numbers = views.flat_map(|((_, view), of)| {
-            let numbers = of.each.iter().flatten().enumerate();
-            numbers.map(|(at, number)| number * view.units[at % 6 / 3])
-        });
-        DVector::from_vec(numbers.collect())
-    };
-    let columns = (0..layout.size()).map(|unknown| {
-        let change = at(unknown, STEP) - at(unknown, -STEP);
-        change / (2.0 * STEP)
-    });
-    DMatrix::from_columns(&columns.collect::<Vec<_>>())
+    Some(Exact::of(&context, &system)?.exact)
 }
 
 /// See [`Uncertainty`].
@@ -155,9 +96,8 @@ struct Exact {
 }
 
 impl Exact {
-    /// With the information of all unknowns.
-    fn of(context: &SolveContext, system: &System, hessian: DMatrix<f64>) -> Option<Self> {
-        let jacobian = jacobian(context, system);
+    fn of(context: &SolveContext, system: &System) -> Option<Self> {
+        let (hessian, jacobian) = (hessian(context, system), jacobian(context, system));
         let scale = hessian
             .diagonal()
             .map(|h| if h > 0.0 { h.sqrt().recip() } else { 1e-3 });

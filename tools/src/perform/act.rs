@@ -14,7 +14,7 @@ use super::performance::Performance;
 use super::streams::{Role, stream};
 use super::tempo::Tempo;
 use super::truth::Truth;
-use super::wander::{HAND_ORIENTATION, HAND_POSITION, Spectrum, Wander};
+use super::wander::{HAND_ORIENTATION, HAND_POSITION, Wander};
 
 /// Streams of random numbers per track: more than an edited sketch has segments.
 const STREAMS: usize = 64;
@@ -231,32 +231,6 @@ impl Film<'_> {
             }
         }
         shots
-    }
-}
-
-impl Acting {
-    /// Covariance of a sample's error and that of one so much later \[s, acted\], per axis: of places [m²] and of turns [rad²].
-    pub fn covariance(&self, later_s: f64) -> [f64; 2] {
-        let of = |spectrum: &Spectrum, wander: f64, noise: f64| {
-            let per_axis = self.distortion * wander / 3_f64.sqrt();
-            let white = match later_s == 0.0 {
-                true => noise * noise,
-                false => 0.0,
-            };
-            per_axis * per_axis * spectrum.covariance(self.wander_pace * later_s) + white
-        };
-        [
-            of(
-                &HAND_POSITION,
-                self.wander_position_m,
-                self.noise_position_m,
-            ),
-            of(
-                &HAND_ORIENTATION,
-                self.wander_orientation_rad,
-                self.noise_orientation_rad,
-            ),
-        ]
     }
 }
 

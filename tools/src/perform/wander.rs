@@ -56,33 +56,6 @@ pub const TEMPO: Spectrum = Spectrum {
 };
 
 impl Spectrum {
-    /// Covariance of a function of it and of the same so much later \[s\].
-    pub fn covariance(&self, later_s: f64) -> f64 {
-        let total = self.power(self.low_hz, self.high_hz);
-        let lines = self.parts().map(|[from_hz, to_hz]| {
-            let [from, to] = [from_hz, to_hz].map(|of| std::f64::consts::TAU * of * later_s);
-            // The mean cosine over a part of the band.
-            let mean = match to == from {
-                true => 1.0,
-                false => (to.sin() - from.sin()) / (to - from),
-            };
-            self.power(from_hz, to_hz) / total * mean
-        });
-        lines.sum()
-    }
-
-    /// Beginnings and ends of the parts of the band, one for each line \[Hz\].
-    fn parts(&self) -> impl Iterator<Item = [f64; 2]> {
-        let (low_hz, ratio) = (
-            self.low_hz,
-            (self.high_hz / self.low_hz).powf(1.0 / LINES as f64),
-        );
-        (0..LINES).map(move |line| {
-            let from_hz = low_hz * ratio.powi(line as i32);
-            [from_hz, from_hz * ratio]
-        })
-    }
-
     /// Power between two frequencies, up to a factor.
     fn power(&self, from_hz: f64, to_hz: f64) -> f64 {
         let exponent = 1.0 - self.slope;
@@ -105,9 +78,11 @@ impl Wander {
     /// Draws one: every line has random amplitudes and a random place in its part of the band.
     pub fn draw(spectrum: &Spectrum, rng: &mut impl Rng) -> Self {
         let total = spectrum.power(spectrum.low_hz, spectrum.high_hz);
-        let lines = spectrum
-            .parts()
-            .map(|[from_hz, to_hz]| {
+        let ratio = (spectrum.high_hz / spectrum.low_hz).powf(1.0 / LINES as f64);
+        let lines = (0..LINES)
+            .map(|line| {
+                let from_hz = spectrum.low_hz * ratio.powi(line as i32);
+                let to_hz = from_hz * ratio;
                 let place = rand::RngExt::random::<f64>(rng);
                 let frequency_hz = from_hz + place * (to_hz - from_hz);
                 let sd = (spectrum.power(from_hz, to_hz) / total).sqrt();

@@ -1,8 +1,6 @@
 //! Errors of a hand as a process in time, beside samples weighed one by one: how near the truth motions come, how often
 //! intervals hold it, and which mistakes of a scene show.
 
-mod charts;
-
 use anyhow::Result;
 use enact::math::Pose;
 use enact::motion::{Performer, Quantity, Scene, Verdict, Weights};
@@ -249,7 +247,6 @@ impl Errors {
 /// Runs it.
 pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     bodies(options, record)?;
-    charts::run(options, record)?;
     joined(options, record)?;
     wrong(options, record)
 }
