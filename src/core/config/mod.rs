@@ -120,8 +120,8 @@
 //! | `<body>.tracker.turn.x`, `<body>.tracker.turn.y`, `<body>.tracker.turn.z` | rotation of the tracker on the body, tracker axes | ° | 0 | −∞, +∞ |
 //! | `<body>.clock.rate` | by how much the tracker's clock is slow: time is 1 + rate times what stamps say | % | 0 | −99, +∞ |
 //! | `<body>.clock.offset` | what to add to the tracker's stamps | ms | 0 | −∞, +∞ |
-//! | `<joint>.parent.x` `.y` `.z` | how far a joint is from where the scene has it, in the axes of what it hangs from | mm | 0 | ±∞ |
-//! | `<joint>.child.x` `.y` `.z` | the same in the axes of what hangs on it | mm | 0 | ±∞ |
+//! | `<joint>.parent.x`, `<joint>.parent.y`, `<joint>.parent.z` | how far a joint is from where the scene has it, in the axes of what it hangs from | mm | 0 | −∞, +∞ |
+//! | `<joint>.child.x`, `<joint>.child.y`, `<joint>.child.z` | the same in the axes of what hangs on it | mm | 0 | −∞, +∞ |
 //! | `<event>.contact_duration` | how long the contact of a collision lasts, where stamps are physical times | ms | 0 | 0, +∞ |
 //! | `<surface>.height` | how much higher the surface is, along its normal | mm | 0 | −∞, +∞ |
 //! | `<surface>.tilt.0`, `<surface>.tilt.1` | rotation of the surface about its point | ° | 0 | −∞, +∞ |

@@ -147,7 +147,7 @@ pub trait Watch {
         false
     }
 
-    /// The same before an iteration of so much work ([`Program::iteration_work`](super::Program::iteration_work)).
+    /// The same before an iteration of so much work ([`Program::iteration_work`]).
     fn worked(&mut self, _work: usize) -> bool {
         self.should_stop()
     }

@@ -338,6 +338,9 @@ fn documented() -> Vec<(Vec<&'static str>, &'static str)> {
     rows.map(row).collect()
 }
 
+/// Joined bodies.
+const CHAIN: &str = include_str!("../../../../config/chain.toml");
+
 #[test]
 fn documented_quantities_are_those_that_there_are() {
     let brick = "[[body]]\nname = \"brick\"\nmass_g = 9\n\
@@ -350,7 +353,7 @@ fn documented_quantities_are_those_that_there_are() {
             let name = name
                 .replace("<event>", "bounce")
                 .replace("<surface>", "table");
-            let name = name.replace("<body>", "brick");
+            let mut name = name.replace("<body>", "brick");
             let free =
                 format!("[[free]]\nquantity = {name:?}\ninitial = 0.9\nlower = 0.25\nupper = 1\n");
             let meets = format!(
@@ -359,7 +362,14 @@ fn documented_quantities_are_those_that_there_are() {
                     .replace("ball", "brick")
                     .replace("other_feature = \"brick\"\n", "")
             );
-            let scene = scene_from_toml(&text(brick, &meets, &free));
+            let scene = match name.strip_prefix("<joint>") {
+                Some(end) => {
+                    let free = free.replace("<joint>", "joint 2");
+                    name = format!("joint 2{end}");
+                    scene_from_toml(&(CHAIN.to_owned() + &free))
+                }
+                None => scene_from_toml(&text(brick, &meets, &free)),
+            };
             let scene = scene.unwrap_or_else(|error| panic!("{name}: {error}"));
             assert_eq!(scene.parameters[0].name, name);
             let of = Unit::of(scene.parameters[0].quantity).name.trim();
@@ -368,12 +378,16 @@ fn documented_quantities_are_those_that_there_are() {
         }
     }
     // Each kind of quantity is there.
-    let scene = scene_from_toml(&text(brick, hit, "")).unwrap();
-    for quantity in scene.quantities() {
-        let name = scene.name_of_quantity(quantity);
-        let name = name
-            .replace("pencil.", "brick.")
-            .replace("fall.", "bounce.");
-        assert!(named.contains(&name), "{name}");
+    for scene in [text(brick, hit, ""), CHAIN.to_owned()] {
+        let scene = scene_from_toml(&scene).unwrap();
+        for quantity in scene.quantities() {
+            let name = scene.name_of_quantity(quantity);
+            let name = ["pencil.", "rod 1.", "rod 2.", "rod 3."]
+                .into_iter()
+                .fold(name, |name, body| name.replace(body, "brick."))
+                .replace("joint 3.", "joint 2.")
+                .replace("fall.", "bounce.");
+            assert!(named.contains(&name), "{name}");
+        }
     }
 }
