@@ -87,6 +87,7 @@ pub(crate) fn estimate() -> Estimate {
         state,
         start_s,
         end_s,
+        support: None,
         certainty: None,
     };
     let event = |event, time_s, acted_s, sd_s| EventEstimate {

@@ -189,9 +189,10 @@ impl Pipeline {
             let stamp = match event.kind {
                 EventKind::Start => ends_s.map(|[start_s, _]| at(start_s)),
                 EventKind::End => ends_s.map(|[_, end_s]| at(end_s)),
-                EventKind::Collision(_) | EventKind::Collisions { .. } | EventKind::Waypoint(_) => {
-                    None
-                }
+                EventKind::Collision(_)
+                | EventKind::Collisions { .. }
+                | EventKind::Change(_)
+                | EventKind::Waypoint(_) => None,
             };
             marks.extend(stamp.map(|stamp| MarkProposal {
                 track: None,

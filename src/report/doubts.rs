@@ -119,6 +119,14 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
             "at {subject} one of the contacts pulls with {} of the greatest impulse: no contact can, expected fewer features",
             percent(value)
         ),
+        About::Tips => format!(
+            "{subject} tips: to stay on its face it would have to be pressed {:.1} mm beyond its outline, expected at most {:.1} mm",
+            value * 1e3,
+            bound * 1e3
+        ),
+        About::Slips => format!(
+            "{subject} begins with a slip of {value:.3} m/s, expected at most {bound:.3}: friction has not ended it, it slides on"
+        ),
         About::Limit => format!(
             "{subject} is {:.1}° beyond its limits at {:.3} s, expected at most {:.1}°",
             value.to_degrees(),

@@ -3,11 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::estimate::EstimateReport;
+use super::motion::phase_name;
 use super::provenance::Provenance;
 use super::read::from_json;
 use super::reported::Reported;
 use super::time_map::TimeMapMessage;
-use crate::motion::{ArcEstimate, LinkIndex, Scene, Stamp};
+use crate::motion::{ArcEstimate, Estimate, LinkIndex, Scene, Stamp};
 
 /// JSON schema of [`EstimateMessage`].
 pub const REPORT_SCHEMA: &str = include_str!("report.schema.json");
@@ -35,13 +36,16 @@ struct BesideReport {
     provenance: Option<Provenance>,
 }
 
-/// A flight: between its start and its end the body moves as a free rigid body from the state at the
-/// epoch. Times are physical.
+/// A flight, or a phase: between its start and its end the body moves as a free rigid body, or as one that a surface
+/// carries, from the state at the epoch. Times are physical.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ArcLine {
     /// Name of the body.
     pub body: String,
+    /// Name of the phase in which a surface carries it; none in flight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phase: Option<String>,
     /// When it begins.
     pub start_s: f64,
     /// When it ends.
@@ -65,7 +69,7 @@ impl EstimateMessage {
         let arcs = estimate.arcs.iter();
         Self {
             report: EstimateReport::new(of),
-            arcs: arcs.map(|arc| ArcLine::new(scene, arc)).collect(),
+            arcs: arcs.map(|arc| ArcLine::new(scene, estimate, arc)).collect(),
             time_map: TimeMapMessage::new(scene, of.sketch, estimate, zero),
             provenance: provenance.cloned(),
         }
@@ -86,7 +90,7 @@ impl EstimateMessage {
 }
 
 impl ArcLine {
-    fn new(scene: &Scene, arc: &ArcEstimate) -> Self {
+    fn new(scene: &Scene, estimate: &Estimate, arc: &ArcEstimate) -> Self {
         let state = &arc.state;
         let link = scene.mechanisms[arc.mechanism].links().next();
         let link = &scene.links[link.unwrap_or(LinkIndex(0))];
@@ -95,6 +99,7 @@ impl ArcLine {
         let q = world_from_given.quaternion();
         Self {
             body: scene.name_of_mechanism(arc.mechanism).to_owned(),
+            phase: phase_name(scene, estimate, arc),
             start_s: arc.start_s,
             end_s: arc.end_s,
             epoch_s: arc.epoch_s,

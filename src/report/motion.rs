@@ -6,7 +6,8 @@ use super::read::{bounds, number, unbounded, unknown};
 use super::reported::Reported;
 use super::samples::Ordered;
 use crate::motion::{
-    DurationEstimate, Estimate, EventEstimate, EventKind, LinkIndex, Scene, Undetermined,
+    ArcEstimate, DurationEstimate, Estimate, EventEstimate, EventKind, LinkIndex, Scene,
+    Undetermined,
 };
 
 /// An event as estimated.
@@ -103,6 +104,9 @@ pub struct ParameterLine {
 pub struct SegmentLine {
     /// Name of the body.
     pub body: String,
+    /// Name of the phase in which a surface carries it; none in flight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phase: Option<String>,
     /// Physical time at which it begins.
     pub start_s: f64,
     /// Physical time at which it ends.
@@ -166,7 +170,7 @@ pub(super) fn event_lines(of: &Reported) -> Vec<EventLine> {
                 acted_s: event.acted_s,
                 bodies: match &of_scene.kind {
                     EventKind::Collision(collision) => collision.links().map(name).collect(),
-                    EventKind::Waypoint(link) => vec![name(*link)],
+                    EventKind::Change(link) | EventKind::Waypoint(link) => vec![name(*link)],
                     EventKind::Start | EventKind::Collisions { .. } | EventKind::End => {
                         scene.links.keys().map(name).collect()
                     }
@@ -233,12 +237,19 @@ pub(super) fn parameter_lines(scene: &Scene, estimate: &Estimate) -> Ordered<Par
     Ordered(parameters.collect())
 }
 
+/// The phase of an arc.
+pub(super) fn phase_name(scene: &Scene, estimate: &Estimate, arc: &ArcEstimate) -> Option<String> {
+    let phase = scene.phase_of(arc, &estimate.events)?;
+    Some(phase.name.clone())
+}
+
 /// How well the arcs fit, in their order.
 pub(super) fn segment_lines(scene: &Scene, estimate: &Estimate) -> Vec<SegmentLine> {
     let residuals = estimate.residuals.iter();
     let with_arcs = residuals.map(|residual| (residual, &estimate.arcs[residual.arc]));
     let of_flights = with_arcs.map(|(residual, arc)| SegmentLine {
         body: scene.tracks[residual.track].name.clone(),
+        phase: phase_name(scene, estimate, arc),
         start_s: arc.start_s,
         end_s: arc.end_s,
         samples: residual.samples,
@@ -249,6 +260,7 @@ pub(super) fn segment_lines(scene: &Scene, estimate: &Estimate) -> Vec<SegmentLi
         let [start_s, end_s] = tree.span_s();
         tree.residuals.iter().map(move |residual| SegmentLine {
             body: scene.tracks[residual.track].name.clone(),
+            phase: None,
             start_s,
             end_s,
             samples: residual.samples,

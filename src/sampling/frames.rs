@@ -11,7 +11,7 @@ use crate::motion::{
     ArcEstimate, Estimate, JointTree, LinkIndex, MechanismIndex, PoseSample, Scene, Seen, Settled,
     Sketch, Stamp,
 };
-use crate::physics::flow::{Fall, Spin};
+use crate::physics::flow::{Fall, Spin, Supported};
 use crate::physics::tree::{Snapshot, Tree, TreeState};
 
 /// Most frames that are made, of all links: [`FRAME_LIMIT`] and so many per sample that was read. A
@@ -110,13 +110,16 @@ fn free_frames(
         zero,
         frame_rate_hz,
     )?;
-    let body = scene.body_of(mechanism);
-    let mut flights: Vec<(&ArcEstimate, Fall, Spin)> = arcs
+    let mut flights: Vec<FramedArc> = arcs
         .into_iter()
         .map(|arc| {
-            let fall = Fall::new(body, &estimate.gravity_m_s2, &arc.state);
-            let spin = Spin::new(body, &arc.state.angular_velocity_rad_s);
-            (arc, fall, spin)
+            let body = &scene.body_on(arc);
+            FramedArc {
+                arc,
+                fall: Fall::new(body, &estimate.gravity_m_s2, &arc.state),
+                spin: Spin::new(body, &arc.state.angular_velocity_rad_s),
+                supported: Supported::new(body, &estimate.gravity_m_s2, &arc.state),
+            }
         })
         .collect();
     let poses = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
@@ -309,12 +312,28 @@ pub fn sketch_frames(
     samples
 }
 
+/// An arc, flight or on a support, from which many poses are asked for.
+struct FramedArc<'a> {
+    arc: &'a ArcEstimate,
+    fall: Fall,
+    spin: Spin,
+    supported: Option<Supported>,
+}
+
 /// The pose at a physical time within the flights: on the first that has not ended.
-fn pose_at(flights: &mut [(&ArcEstimate, Fall, Spin)], time_s: f64) -> Pose {
-    let at = flights.iter().position(|(arc, ..)| time_s <= arc.end_s);
+fn pose_at(flights: &mut [FramedArc], time_s: f64) -> Pose {
+    let at = flights.iter().position(|of| time_s <= of.arc.end_s);
     let at = at.unwrap_or(flights.len() - 1);
-    let (arc, fall, spin) = &mut flights[at];
+    let FramedArc {
+        arc,
+        fall,
+        spin,
+        supported,
+    } = &mut flights[at];
     let duration_s = time_s - arc.epoch_s;
+    if let Some(supported) = supported {
+        return supported.at(duration_s).world_from_body();
+    }
     Pose::from_parts(
         fall.position(duration_s).into(),
         arc.state.orientation * spin.turn(duration_s),

@@ -4,6 +4,10 @@ mod cli;
 mod deadlines;
 mod golden;
 mod inputs;
+mod landings;
+mod phases;
+#[path = "../support/program.rs"]
+mod program;
 mod shell;
 #[path = "../support/skip.rs"]
 mod skip;

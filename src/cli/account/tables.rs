@@ -147,7 +147,10 @@ pub(super) fn segments(report: &EstimateReport) -> String {
         .iter()
         .map(|segment| {
             vec![
-                segment.body.clone(),
+                match &segment.phase {
+                    Some(phase) => format!("{}, {phase}", segment.body),
+                    None => segment.body.clone(),
+                },
                 seconds(segment.start_s),
                 seconds(segment.end_s),
                 segment.samples.to_string(),

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::motion::{Collision, EventKind, LinkIndex, Partner, Scene, Sees, Timing, Track};
+use crate::physics::Sustained;
 
 /// What a scene means: what moves, what is expected on which topics, what each mark stands for, and what is
 /// missing.
@@ -61,7 +62,7 @@ pub struct TopicCheck {
 pub struct EventCheck {
     /// Its name.
     pub name: String,
-    /// `start`, `collision`, `waypoint` or `end`.
+    /// `start`, `collision`, `change`, `waypoint` or `end`.
     pub kind: &'static str,
     /// What the mark of it says.
     pub means: String,
@@ -88,7 +89,8 @@ pub fn check_scene(scene: &Scene) -> SceneCheck {
         }
     }
     for (link, of) in scene.links.iter_enumerated() {
-        let is_met = scene.events.iter().any(|event| concerns(&event.kind, link));
+        let is_met = scene.events.iter().any(|event| concerns(&event.kind, link))
+            || scene.phases.iter().any(|phase| phase.link == link);
         if !is_met && !scene.is_held(link) && scene.events.len() > 1 {
             open.push(format!(
                 "{:?} takes part in no collision: it only flies",
@@ -122,10 +124,12 @@ pub fn check_scene(scene: &Scene) -> SceneCheck {
             .iter()
             .filter_map(|event| event.kind.collision());
         let mut worlds = collisions.filter(|of| of.partner == Partner::World);
-        worlds.any(|of| {
-            let mut contacts = of.contacts.iter();
-            contacts.any(|touching| touching.other.is_none_or(|other| other == surface))
-        })
+        let mut phases = scene.phases.iter();
+        phases.any(|phase| phase.surface == surface)
+            || worlds.any(|of| {
+                let mut contacts = of.contacts.iter();
+                contacts.any(|touching| touching.other.is_none_or(|other| other == surface))
+            })
     };
     for (index, surface) in scene.surfaces.iter().enumerate() {
         if !used(index) && surface.obstacle.is_none() {
@@ -238,6 +242,7 @@ fn event(scene: &Scene, at: usize) -> EventCheck {
     let (what, marks) = match &event.kind {
         EventKind::Start => ("the motion begins".to_owned(), [1, 1]),
         EventKind::End => ("the motion ends".to_owned(), [1, 1]),
+        EventKind::Change(link) => (change(scene, *link, at), [1, 1]),
         EventKind::Waypoint(link) => (format!("{} flies by", scene.links[*link].name), [1, 1]),
         EventKind::Collision(of) => (collision(scene, of), [1, 1]),
         EventKind::Collisions { each, least, most } => (collision(scene, each), [*least, *most]),
@@ -253,6 +258,20 @@ fn event(scene: &Scene, at: usize) -> EventCheck {
         },
         goals: scene.goals.iter().filter(|goal| goal.event == at).count(),
     }
+}
+
+fn change(scene: &Scene, link: LinkIndex, event: usize) -> String {
+    let mechanism = scene.mechanism_of(link);
+    let of = |is_after: bool| {
+        let phase = scene.phase_beside(mechanism, event, is_after);
+        phase.map_or("flies", |phase| match phase.sustained {
+            Sustained::Slide => "slides",
+            Sustained::Roll => "rolls",
+            Sustained::Rest => "rests",
+        })
+    };
+    let name = &scene.links[link].name;
+    format!("{name}, which {}, {} from then on", of(false), of(true))
 }
 
 fn collision(scene: &Scene, of: &Collision) -> String {

@@ -47,12 +47,17 @@ pub(super) fn events(
                 let body = body.map(|text| Ok((text, link_of(text, scene)?)));
                 free_flight::waypoint(event, body.transpose()?, scene)?
             }
+            "change" => {
+                let body = event.body.as_ref();
+                let body = body.map(|text| link_of(text, scene));
+                free_flight::change(event, body.transpose()?)?
+            }
             "collision" => repeated(event, collision(spanned, scene, of_links, laws)?, &events)?,
             other => {
                 return fault(
                     event.kind.span(),
                     format!(
-                        "unknown kind of event {other:?}, expected one of start, collision, waypoint, end"
+                        "unknown kind of event {other:?}, expected one of start, collision, change, waypoint, end"
                     ),
                 );
             }

@@ -1,4 +1,4 @@
-//! Events at which nothing touches: starts, waypoints, ends.
+//! Events at which nothing hits: starts, changes of phase, waypoints, ends.
 
 use std::ops::Range;
 
@@ -45,6 +45,17 @@ pub(super) fn waypoint(
         );
     }
     without_contact(event, EventKind::Waypoint(link))
+}
+
+/// A change of the phase of one body.
+pub(super) fn change(event: &RawEvent, body: Option<LinkIndex>) -> Result<EventKind, Fault> {
+    match body {
+        Some(link) => without_contact(event, EventKind::Change(link)),
+        None => fault(
+            event.kind.span(),
+            "missing key `body`: a change is of the phase of one body",
+        ),
+    }
 }
 
 fn without_contact(event: &RawEvent, kind: EventKind) -> Result<EventKind, Fault> {

@@ -111,12 +111,6 @@ pub(super) fn of_event(
             );
         }
     };
-    if collision.contacts.len() > 1 && laws[found].friction > 0.0 {
-        return fault(
-            spanned.span(),
-            "friction is for one contact, not for several at once",
-        );
-    }
     Ok(found)
 }
 
@@ -128,6 +122,14 @@ fn law(name: &str, restitution: &Number, friction: Option<&Number>) -> Result<Co
             Some(number) => within("friction", number, FRICTION_MAX)?,
         },
         ..ContactLaw::frictionless(name, restitution)
+    })
+}
+
+/// The law of what stays on a surface: friction only.
+pub(super) fn sustained(name: &str, friction: &Number) -> Result<ContactLaw, Fault> {
+    Ok(ContactLaw {
+        friction: within("friction", friction, FRICTION_MAX)?,
+        ..ContactLaw::frictionless(name, 0.0)
     })
 }
 

@@ -69,6 +69,12 @@
 //! `earliest_ms` and `latest_ms` are bounds that hold exactly, in acted time after the mark,
 //! negative before it. Each of the three makes the time free.
 //!
+//! # Phases
+//!
+//! `[[phase]]` says that a body stays on a surface from one event to another: it slides, rolls or rests. `kind =
+//! "change"` with a `body` is an event at which one phase follows another without an impact; its time is
+//! estimated. See `docs/phases.md`.
+//!
 //! # Waypoints
 //!
 //! `kind = "waypoint"` with a `body` is a moment of that body's flight at which nothing touches: goals
@@ -170,6 +176,7 @@ mod mesh;
 mod new;
 mod number;
 mod parameter;
+mod phase;
 mod preset;
 mod principal;
 mod quantity;

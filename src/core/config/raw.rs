@@ -4,6 +4,7 @@ mod body;
 mod capture;
 mod event;
 mod free;
+mod phase;
 mod shape;
 mod timing;
 mod value;
@@ -16,6 +17,7 @@ pub(super) use self::body::{RawBody, RawTrack, RawTracker};
 pub(super) use self::capture::{RawCapture, RawTrackerClock};
 pub(super) use self::event::{RawAxis, RawCount, RawEvent, RawGoal};
 pub(super) use self::free::RawFree;
+pub(super) use self::phase::RawPhase;
 pub(super) use self::shape::RawShape;
 pub(super) use self::timing::{RawTiming, RawWeights};
 pub(super) use self::value::{Corners, Number, Quadruple, Text, Triple};
@@ -96,6 +98,9 @@ pub(super) struct RawScene {
     /// What happens, in order of time.
     #[serde(default)]
     pub(super) event: Vec<Spanned<RawEvent>>,
+    /// What stays on surfaces between events (docs/phases.md).
+    #[serde(default)]
+    pub(super) phase: Vec<Spanned<RawPhase>>,
     /// What must hold at an event (docs/goals.md).
     #[serde(default)]
     pub(super) goal: Vec<Spanned<RawGoal>>,

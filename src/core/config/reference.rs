@@ -12,7 +12,12 @@ use super::solid::KINDS;
 /// Words that texts may be, beside the kinds of shapes: table, key, words.
 const WORDS: &[(&str, &str, &[&str])] = &[
     ("timing", "stamps", &["tempo", "physical", "edited"]),
-    ("event", "kind", &["start", "collision", "waypoint", "end"]),
+    (
+        "event",
+        "kind",
+        &["start", "collision", "change", "waypoint", "end"],
+    ),
+    ("phase", "motion", &["slide", "roll", "rest"]),
     ("event", "time", &["fixed", "free"]),
     ("joint", "kind", &["pin", "universal", "ball", "fixed"]),
     (
@@ -229,6 +234,10 @@ mod tests {
                 "timing.stamps" => plain.replace("tempo", "?"),
                 "event.kind" => plain + "[[event]]\nname = \"e\"\nkind = \"?\"",
                 "event.time" => plain + "[[event]]\nname = \"e\"\nkind = \"end\"\ntime = \"?\"",
+                "phase.motion" => {
+                    plain
+                        + "[[surface]]\nname = \"t\"\npoint_mm = [0, 0, 0]\nnormal = [0, 0, 1]\n[[phase]]\nname = \"p\"\nbody = \"b\"\nsurface = \"t\"\nfrom = \"e\"\nuntil = \"e\"\nmotion = \"?\""
+                }
                 "joint.kind" => plain + "[[joint]]\nname = \"j\"\nkind = \"?\"\nchild = \"b\"",
                 "body.track.sees" => plain + "[[body.track]]\nsees = \"?\"",
                 "goal.axes" => {

@@ -15,6 +15,7 @@ use super::number::{
     Taken, direction, name, pose, positive, topic, unique, vector, vector_from_mm,
 };
 use super::parameter::parameters;
+use super::phase::{check_beginnings, phases};
 use super::raw::{Number, RawObstacle, RawScene, RawSurface, RawTiming, RawWeights, Text};
 use super::rest::{rest_goals, split};
 use super::solid::{SizeLimits, shape};
@@ -80,6 +81,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
         surfaces,
         contact_laws: TiVec::new(),
         events: Vec::new(),
+        phases: Vec::new(),
         goals: Vec::new(),
         rest_goals: Vec::new(),
         parameters: Vec::new(),
@@ -106,6 +108,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     let mut laws = Laws::new();
     let of_links = law::of_bodies(&raw.body, &mut laws)?;
     scene.events = events(&raw.event, &scene, &of_links, &mut laws)?;
+    scene.phases = phases(raw, &scene, &of_links, &mut laws)?;
     scene.contact_laws = laws;
     let [at_rest, at_events] = split(&raw.goal);
     let (goals, goal_spans) = goals(&at_events, &scene)?;
@@ -114,11 +117,28 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     parameters(&raw.free, &mut scene)?;
     refuse(raw, &scene)?;
     for (event, spanned) in raw.event.iter().enumerate() {
-        scene.contact_set(event).map_err(|error| Fault {
+        let contacts = scene.contact_set(event);
+        let joined = scene.events[event].kind.collision().filter(|of| {
+            let mechanism = scene.mechanism_of(of.link);
+            scene.joint_tree(mechanism).is_some()
+        });
+        let is_rough = joined.is_some_and(|of| {
+            let several =
+                of.contacts.len() > 1 || matches!(&contacts, Ok(Some(set)) if set.is_landing());
+            several && scene.has_friction(of.law)
+        });
+        if is_rough {
+            return fault(
+                spanned.span(),
+                "friction is for one contact of what is joined, not for several at once",
+            );
+        }
+        contacts.map_err(|error| Fault {
             span: spanned.span(),
             message: error.to_string(),
         })?;
     }
+    check_beginnings(raw, &scene)?;
     refuse_dependent(raw, &scene)?;
     for (goal, span) in goal_spans.iter().enumerate() {
         if let Err(error) = scene.snap_to_contact(goal) {

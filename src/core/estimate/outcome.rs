@@ -276,6 +276,9 @@ fn arcs(
                     Some(event) => events[event].time_s,
                     None => times(index).reduce(f64::max).unwrap_or(start_s),
                 },
+                support: problem
+                    .body_at(index, &point.parameters)
+                    .and_then(|body| body.support()),
                 certainty: None,
             }
         })
@@ -290,10 +293,9 @@ fn arcs(
 /// Residuals of every sample, view by view, in units: position, then orientation.
 pub fn errors(problem: &Problem, context: &SolveContext, point: &Point) -> Vec<Residuals> {
     let gravity = problem.gravity(&point.parameters);
-    let bodies = problem.bodies_at(&point.parameters);
-    let bodies = bodies.expect("moments that the solution has");
     let views = problem.views().map(|(arc, view)| {
-        let body = &bodies[problem.arcs[arc].mechanism];
+        let body = problem.body_at(arc, &point.parameters);
+        let body = &body.expect("moments that the solution has");
         let (of, epoch_s) = ((arc, view), context.epochs_s[arc]);
         let mut observer = SampleObserver::new(problem, of, (body, &gravity), epoch_s, point);
         let samples = 0..view.samples.len();

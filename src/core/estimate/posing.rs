@@ -6,6 +6,7 @@ pub(in crate::estimate) mod nodes;
 pub(in crate::estimate) mod regulariser;
 pub(in crate::estimate) mod sample_order;
 pub(in crate::estimate) mod seen;
+mod support;
 pub(in crate::estimate) mod waypoint;
 mod weaving;
 
@@ -18,8 +19,9 @@ use crate::estimate::problem::{
     Problem, TimeBound, TimeSide,
 };
 use crate::motion::{
-    GoalTarget, LinkIndex, Moment, Partner, Quantity, Scene, Segment, Sketch, Timing,
+    EventKind, GoalTarget, LinkIndex, Moment, Partner, Quantity, Scene, Segment, Sketch, Timing,
 };
+use crate::physics::Sustained;
 
 impl Problem {
     /// The problem of a scene and a sketch cut into segments.
@@ -52,6 +54,8 @@ impl Problem {
             start: segment.start_event,
             end: segment.end_event,
             views: views(scene, sketch, segment, &nodes),
+            body: scene.body_between(segment.mechanism, segment.ends()),
+            friction_parameter: None,
             clock: None,
             acting: Vec::new(),
             is_plain: true,
@@ -91,7 +95,12 @@ impl Problem {
             let clock = of_flights.find(|role| matches!(role.owner, Owner::Flight(..)));
             arc.clock = clock.map(|role| role.parameter);
             arc.acting = acting.map(|role| role.acting(None)).collect();
-            let body = scene.body_of(arc.mechanism);
+            let phase = scene.phase_between(arc.mechanism, segment.ends());
+            let phase = phase.filter(|phase| phase.sustained != Sustained::Rest);
+            arc.friction_parameter =
+                phase.and_then(|phase| parameter(Quantity::Friction { law: phase.law }));
+            arc.acting.extend(arc.friction_parameter.map(friction));
+            let body = arc.body;
             arc.is_plain = arc.acting.is_empty() && body.is_ballistic();
             for view in &mut arc.views {
                 let acts = |acting: &Acting| acting.is_on(view.track);
@@ -107,7 +116,10 @@ impl Problem {
         let event_is_free: Vec<bool> = events
             .map(|(event, e)| match e.kind.waypoint() {
                 Some(_) => waypoints.iter().any(|waypoint| waypoint.event == event),
-                None => e.kind.collision().is_some() || scene.time_is_free(event),
+                None => {
+                    let is_unknown = e.kind.collision().is_some() || e.kind.change().is_some();
+                    is_unknown || scene.time_is_free(event)
+                }
             })
             .collect();
         let (mut ordered, mut time_bounds) = (
@@ -140,6 +152,8 @@ impl Problem {
                 .iter()
                 .filter_map(|of| Some(scene.links[of.links().next()?].body))
                 .collect(),
+            changes: support::changes(scene, &arcs, &gravity_parameters),
+            supports: support::supports(scene, &arcs),
             gravity_m_s2: scene.gravity_m_s2,
             collisions,
             held,
@@ -193,6 +207,16 @@ fn ordered(arcs: &[Arc], event_is_free: &[bool]) -> Vec<Ordered> {
     let free = pairs.filter(|events| events.iter().all(|event| event_is_free[*event]));
     let ordered = free.map(|events| Ordered { events });
     ordered.collect()
+}
+
+/// The friction of what supports a body, held by a parameter.
+fn friction(parameter: usize) -> Acting {
+    Acting {
+        parameter,
+        influence: Influence::SupportFriction,
+        side: None,
+        track: None,
+    }
 }
 
 /// Gravity's free components as parameters that act on every flight.
@@ -259,7 +283,7 @@ fn time_bounds(
                 (TimeSide::Earliest, earliest_s),
                 (TimeSide::Latest, latest_s),
             ]
-        } else if of.kind.collision().is_some() || of.kind.waypoint().is_some() {
+        } else if !matches!(of.kind, EventKind::Start | EventKind::End) {
             vec![(TimeSide::Only, 0.0)]
         } else {
             Vec::new()
@@ -328,9 +352,17 @@ fn collisions(
         });
         let mut acting: Vec<Acting> = acting.collect();
         let is_parabola = |side: &ArcPair| {
-            let body = scene.body_of(side.mechanism);
-            body.is_ballistic()
+            let mut both = [side.before, side.after].into_iter();
+            both.all(|arc| arcs[arc].body.is_ballistic())
         };
+        // The friction of what supports it before or after acts on the flights beside the impact.
+        let of_supports = sides.iter().flat_map(|side| [side.before, side.after]);
+        let mut supports: Vec<usize> = of_supports
+            .filter_map(|arc| arcs[arc].friction_parameter)
+            .collect();
+        supports.sort_unstable();
+        supports.dedup();
+        acting.extend(supports.into_iter().map(friction));
         let is_plain = acting.is_empty() && sides.iter().all(is_parabola);
         if !is_plain {
             acting.extend(gravity(gravity_parameters));

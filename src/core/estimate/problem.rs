@@ -157,14 +157,18 @@ impl View {
 /// Flight of one mechanism between two events.
 #[derive(Clone, Debug)]
 pub struct Arc {
-    /// What flies (index into [`Problem::bodies`]).
+    /// What flies.
     pub mechanism: MechanismIndex,
+    /// Its equations of motion there, where nothing of them is free.
+    pub body: Body,
     /// Event at its start.
     pub start: Option<usize>,
     /// Event at its end.
     pub end: Option<usize>,
     /// What is seen of it.
     pub views: Vec<View>,
+    /// Parameter that holds the friction of what supports it, where that is free.
+    pub friction_parameter: Option<usize>,
     /// Parameter that holds its clock, where its stamps count from a zero of their own.
     pub clock: Option<usize>,
     /// Parameters that act on it or on what is seen of it, where it is not plain; gravity among
@@ -223,7 +227,7 @@ impl Arc {
 /// Arcs of one mechanism before and after an event.
 #[derive(Clone, Copy, Debug)]
 pub struct ArcPair {
-    /// What flies (index into [`Problem::bodies`]).
+    /// What flies.
     pub mechanism: MechanismIndex,
     /// Arc before.
     pub before: usize,
@@ -274,6 +278,39 @@ impl ArcCollision {
             tilt_rad,
         }
     }
+}
+
+/// An event at which a motion on a support ends, or begins, without an impact.
+#[derive(Clone, Debug)]
+pub struct ArcChange {
+    /// The event.
+    pub event: usize,
+    /// The arcs before and after it.
+    pub sides: ArcPair,
+    /// Whether friction ends the slip there.
+    pub slip_ends: bool,
+    /// Parameters that act on its arcs; gravity among them.
+    pub acting: Vec<Acting>,
+}
+
+/// What holds from the beginning of an arc where a body is on a support without an impact.
+#[derive(Clone, Copy, Debug)]
+pub struct ArcSupport {
+    /// The arc.
+    pub arc: usize,
+    /// A point of the plane [m, world].
+    pub point_m: Vector3<f64>,
+    /// The face that lies on it; `None` of a ball.
+    pub face: Option<FlatFace>,
+}
+
+/// A face of a body.
+#[derive(Clone, Copy, Debug)]
+pub struct FlatFace {
+    /// A point of it \[m, body\].
+    pub point_m: Vector3<f64>,
+    /// Its normal, out of the body \[body\].
+    pub normal: Vector3<f64>,
 }
 
 /// A held body at one of its collisions.
@@ -448,6 +485,10 @@ pub struct Problem {
     pub conditions: Vec<ArcCondition>,
     /// Events about flights that have few samples, and about waypoints.
     pub ordered: Vec<Ordered>,
+    /// Events at which a motion on a support ends or begins without an impact.
+    pub changes: Vec<ArcChange>,
+    /// Where motions on a support begin with the performance.
+    pub supports: Vec<ArcSupport>,
     /// Order of samples whose times are not known.
     pub sample_orders: Vec<SampleOrder>,
     /// Bounds of events' times.
@@ -490,7 +531,7 @@ pub struct Problem {
 impl Problem {
     /// What flies on an arc.
     pub fn body_of(&self, arc: usize) -> &Body {
-        &self.bodies[self.arcs[arc].mechanism]
+        &self.arcs[arc].body
     }
 
     /// Strength of the tempo prior with how often it counts, `σ/√n` [1/√s].

@@ -96,6 +96,22 @@ pub fn fit(
     }
 }
 
+/// The constant acceleration that fits places best \[m/s² of acted time, world\]; zero of fewer than three.
+pub fn acceleration_m_s2(places: &[Place], middle_s: f64) -> Vector3<f64> {
+    let count = places.len() as f64;
+    let mean_a = places.iter().map(|(a, _)| a - middle_s).sum::<f64>() / count;
+    let norm = places
+        .iter()
+        .map(|(a, _)| (a - middle_s - mean_a).powi(2))
+        .sum();
+    let quadratic = FallQuadratic::new(places, middle_s, mean_a, norm);
+    let all = places.iter().map(|(a, p)| p * quadratic.at(a - middle_s));
+    match places.len() {
+        0..3 => Vector3::zeros(),
+        _ => all.sum::<Vector3<f64>>() * (2.0 / quadratic.norm.max(f64::MIN_POSITIVE)),
+    }
+}
+
 /// `q(a) = a² − mean(a²) − slope (a − mean a) …`, orthogonal to lines over the samples.
 struct FallQuadratic {
     mean_a: f64,

@@ -57,7 +57,7 @@ pub(super) fn fill(
                 let share = ((epoch_s - start_s) / (end_s - start_s)).clamp(0.0, 1.0);
                 mixed(&arrived, &to, if share.is_finite() { share } else { 0.5 })
             });
-            let body = scene.body_of(mechanism);
+            let body = &scene.body_between(mechanism, segments[*index].ends());
             let gravity = &scene.gravity_m_s2;
             arcs[*index].state = flow::advance(body, gravity, &from, epoch_s - start_s);
         }

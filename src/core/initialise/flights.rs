@@ -70,9 +70,10 @@ impl Flights<'_> {
     }
 
     pub(super) fn advanced(&self, arc: &ArcGuess, at: usize, time_s: f64) -> State {
-        let body = self.scene.body_of(self.segments[at].mechanism);
+        let segment = &self.segments[at];
+        let body = self.scene.body_between(segment.mechanism, segment.ends());
         flow::advance(
-            body,
+            &body,
             &self.scene.gravity_m_s2,
             &arc.state,
             time_s - arc.epoch_s,

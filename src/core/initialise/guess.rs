@@ -6,7 +6,7 @@ use super::clock;
 use super::fit::ArcFit;
 use super::readings::Readings;
 use super::turn::{self, OrientationReading};
-use super::{crossing, keyed, open_times, pointing, roll, swing, unseen};
+use super::{carried, crossing, keyed, open_times, pointing, roll, swing, unseen};
 use crate::motion::{Guess, Observer, Scene, Segment, Sketch, Timing};
 use crate::physics::State;
 
@@ -85,7 +85,12 @@ pub fn guess(
             continue;
         }
         let body = scene.body_of(segment.mechanism);
-        let pull_m_s2 = body.pull_m_s2(&scene.gravity_m_s2);
+        let mut pull_m_s2 = body.pull_m_s2(&scene.gravity_m_s2);
+        let phase = scene.phase_between(segment.mechanism, segment.ends());
+        if phase.is_some() {
+            // On a surface friction decides.
+            pull_m_s2 = ballistic::acceleration_m_s2(&readings.places, middle_s) / (rate * rate);
+        }
         let mut state = State::at_rest();
         if !readings.places.is_empty() {
             let flight = ballistic::fit(&readings.places, middle_s, &pull_m_s2, Some(*rate));
@@ -105,6 +110,17 @@ pub fn guess(
         let turns = readings.turns.iter();
         let turns = turns.map(|(acted_s, turn)| (time_line.at(*acted_s) - epoch_s, *turn));
         let turns: Vec<OrientationReading> = turns.collect();
+        if let (Some(_), Some((orientation, angular_velocity_rad_s))) =
+            (phase, carried::turn(&turns))
+        {
+            let state = State {
+                orientation,
+                angular_velocity_rad_s,
+                ..state
+            };
+            fits.push(vec![ArcFit::of(state, 0.0)]);
+            continue;
+        }
         let turn = turn::fit(body, &turns);
         fit_iterations += turn.iterations;
         let count = turns.len() as f64;
@@ -212,6 +228,11 @@ fn rates(
         .zip(readings)
         .map(|(segment, readings)| {
             known.or_else(|| {
+                // How fast friction stops what a surface carries is not known, nor so the tempo by it.
+                let phase = scene.phase_between(segment.mechanism, segment.ends());
+                if phase.is_some() {
+                    return None;
+                }
                 let body = scene.body_of(segment.mechanism);
                 let pull_m_s2 = body.pull_m_s2(&scene.gravity_m_s2);
                 let places = &readings.places;

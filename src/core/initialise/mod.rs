@@ -6,6 +6,7 @@
 
 pub mod ballistic;
 pub mod between;
+mod carried;
 mod circle;
 pub mod clock;
 pub mod contact;

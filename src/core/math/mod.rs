@@ -1,9 +1,11 @@
-//! Rotations, poses and angles for them, spans of columns, pseudo-random numbers, and numeric differentiation for tests.
+//! Rotations, poses and angles for them, numbers with derivatives, spans of columns, pseudo-random numbers, and numeric
+//! differentiation for tests.
 //!
 //! Conventions, chosen once: perturbation on the right, `R ⊞ θ = R·Exp(θ)`; quaternions are
 //! Hamilton and unit, world from body; tangents in body axes.
 
 pub mod euler;
+pub mod jet;
 pub mod lanes;
 mod pose;
 pub mod random;

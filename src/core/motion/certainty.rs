@@ -18,8 +18,10 @@ use crate::physics::{Body, State};
 const DAMPING_SHARE_MAX: f64 = 0.1;
 /// Least share of it from samples, marks and wishes, or the performance does not determine it: less is rounding.
 const INFORMED_SHARE_MIN: f64 = 1e-4;
-/// A sum that varies by less than this share of what its unknowns would by themselves is held by constraints.
+/// A sum that varies by less than this share of what its unknowns would by themselves is held by constraints,
 const HELD_SHARE: f64 = 1e-6;
+/// and so is one of less than this variance, in SI units: a micrometre, or a microradian, squared.
+const HELD: f64 = 1e-12;
 
 /// The variance of a sum of unknowns by where it is from, or, as symmetric matrices, of every sum.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,7 +44,7 @@ impl Variance<f64> {
     /// Standard deviation; `None` where the performance does not determine the sum.
     pub fn sd(&self) -> Option<f64> {
         // Written so that NaN is undetermined too.
-        let is_damped = !(self.damped < DAMPING_SHARE_MAX * self.whole);
+        let is_damped = !(self.damped <= DAMPING_SHARE_MAX * self.whole);
         if is_damped || self.informed < INFORMED_SHARE_MIN * self.known {
             return None;
         }
@@ -56,14 +58,19 @@ impl Variance<DMatrix<f64>> {
         let square = |form: &DMatrix<f64>| sum.dot(&(form * sum));
         let (whole, known) = (square(&self.whole), square(&self.known));
         let own = self.whole.diagonal().component_mul(sum).dot(sum);
-        let is_held = whole <= HELD_SHARE * own;
+        let is_held = whole <= (HELD_SHARE * own).max(HELD);
         Variance {
             informed: match is_held {
-                true => known,
+                true => known.max(0.0),
                 false => square(&self.informed),
             },
-            damped: square(&self.damped),
-            whole,
+            damped: match whole <= HELD {
+                // What is left of it is rounding.
+                true => 0.0,
+                false => square(&self.damped),
+            },
+            // A sum of what is no number stays none.
+            whole: if whole <= HELD { whole.max(0.0) } else { whole },
             known,
             // Of what is exact rounding may leave less than nothing.
             errors: square(&self.errors).max(0.0),
@@ -92,6 +99,8 @@ pub struct FlightChange {
     pub log_moments: Vector3<f64>,
     /// Centre of mass in the body [m, body].
     pub centre_m: Vector3<f64>,
+    /// Friction of what supports it.
+    pub friction: f64,
 }
 
 /// Standard deviations of the pose and the velocities of a frame of a body, axis by axis; `None` where the performance does
@@ -181,7 +190,7 @@ impl FlightChange {
         for (order, change) in self.drag.iter().enumerate() {
             by += flown.by_drag(order) * *change;
         }
-        by
+        by + flown.by_friction() * self.friction
     }
 }
 

@@ -86,6 +86,10 @@ pub enum About {
     Energy,
     /// Impulse by which one of several contacts pulls at an impact, of the greatest there.
     Pull,
+    /// How far beyond its outline a body on a surface would have to be pressed not to tip.
+    Tips,
+    /// Speed of what is said to rest, or slip of what is said to roll.
+    Slips,
     /// Angle by which a joint is beyond its limits.
     Limit,
     /// Angle of a body's axis from where it should point at rest.
@@ -94,7 +98,7 @@ pub enum About {
 
 impl About {
     /// All of them, in this order.
-    pub const ALL: [Self; 33] = [
+    pub const ALL: [Self; 35] = [
         Self::Overlap,
         Self::KeptOut,
         Self::EndTouches,
@@ -126,6 +130,8 @@ impl About {
         Self::Receding,
         Self::Energy,
         Self::Pull,
+        Self::Tips,
+        Self::Slips,
         Self::Limit,
         Self::Rest,
     ];
@@ -164,6 +170,8 @@ impl About {
             About::Receding => "receding",
             About::Energy => "energy",
             About::Pull => "pull",
+            About::Tips => "tips",
+            About::Slips => "slips",
             About::Limit => "limit",
             About::Rest => "rest",
         }
@@ -172,10 +180,13 @@ impl About {
     /// Its unit; empty for ratios, and for a parameter, which has its own.
     pub fn unit(self) -> &'static str {
         match self {
-            About::Overlap | About::KeptOut | About::WrongFeature | About::Steps | About::Gap => {
-                "m"
-            }
-            About::Speed | About::Receding => "m/s",
+            About::Overlap
+            | About::KeptOut
+            | About::WrongFeature
+            | About::Steps
+            | About::Gap
+            | About::Tips => "m",
+            About::Speed | About::Receding | About::Slips => "m/s",
             About::Spin => "rad/s",
             About::Orientation | About::FallDirection | About::Rest | About::Limit => "rad",
             About::EndTouches | About::AfterMark | About::BeforeMark | About::Outside => "s",
@@ -242,6 +253,8 @@ impl About {
             | About::Receding
             | About::Energy
             | About::Pull
+            | About::Tips
+            | About::Slips
             | About::Limit => Verdict::Plausible,
             About::Speed
             | About::Spin

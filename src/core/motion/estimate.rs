@@ -14,7 +14,7 @@ use super::sample_time::SampleTime;
 use super::scene::{Quantity, Scene};
 use super::suspect::Suspect;
 use super::verdict::Verdict;
-use crate::physics::State;
+use crate::physics::{State, Support};
 
 /// The motion of one mechanism between two of its events.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +29,8 @@ pub struct ArcEstimate {
     pub start_s: f64,
     /// Physical time at which it ends \[s\].
     pub end_s: f64,
+    /// What supports it; `None` in flight.
+    pub support: Option<Support>,
     /// How certain it is; `None` where that was not computed.
     pub certainty: Option<FlightCertainty>,
 }
@@ -45,7 +47,7 @@ impl ArcEstimate {
         let certainty = self.certainty.as_ref()?;
         let link = scene.mechanisms[self.mechanism].links().next()?;
         Some(certainty.deviation(
-            scene.body_of(self.mechanism),
+            &scene.body_on(self),
             gravity_m_s2,
             &self.state,
             time_s - self.epoch_s,

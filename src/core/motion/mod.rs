@@ -63,8 +63,8 @@ pub use scene::{
     Against, Axes, BodyPoint, Collision, CollisionError, Combination, Condition, Cone, ContactLaw,
     Event, EventKind, EventTime, Feature, FreeBody, FreeParameter, Goal, GoalEstimate,
     GoalQuantity, GoalSet, GoalTarget, GoalUnit, Group, Held, Joint, JointEnd, JointTree, Link,
-    Mechanism, Moment, Obstacle, Partner, Performer, Quantity, RestGoal, Scene, Sees, Surface,
-    Timing, Together, Touching, Track, TreeTouch, Untold, VelocityGaps, Weighing, Weights,
+    Mechanism, Moment, Obstacle, Partner, Performer, Quantity, RestGoal, Scene, Sees, SupportPhase,
+    Surface, Timing, Together, Touching, Track, TreeTouch, Untold, VelocityGaps, Weighing, Weights,
 };
 pub use settled::{Settled, SettledLink};
 pub use sketch::{

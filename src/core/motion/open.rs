@@ -194,6 +194,9 @@ impl Scene {
         for goal in &mut self.goals {
             goal.place_events(place);
         }
+        for phase in &mut self.phases {
+            phase.events = phase.events.map(place);
+        }
         for free in &mut self.parameters {
             free.quantity = free.quantity.at_event(place);
         }

@@ -215,6 +215,11 @@ pub struct View {
 }
 
 impl Segment {
+    /// The events that begin and end it.
+    pub fn ends(&self) -> [Option<usize>; 2] {
+        [self.start_event, self.end_event]
+    }
+
     /// Number of samples of all its tracks.
     pub fn sample_count(&self) -> usize {
         self.views.iter().map(|view| view.samples.len()).sum()

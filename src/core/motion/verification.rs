@@ -184,6 +184,8 @@ pub struct Verification {
     pub touches: Vec<Touch>,
     /// Contacts that pull.
     pub pulls: Vec<Pull>,
+    /// What surfaces would have to do to what is on them, and cannot.
+    pub carried: Vec<Doubt>,
     /// The forward simulation.
     pub single_shot: SingleShot,
     /// Energy and momentum.
@@ -215,6 +217,7 @@ impl Verification {
         self.touches.extend(other.touches);
         self.touches.sort_by_key(|touch| touch.event);
         self.pulls.extend(other.pulls);
+        self.carried.extend(other.carried);
         let shot = &mut self.single_shot;
         shot.deviations.extend(other.single_shot.deviations);
         shot.restarts.extend(other.single_shot.restarts);
@@ -228,13 +231,14 @@ impl Verification {
         self.touches.iter().filter(|touch| touch.is_wrong)
     }
 
-    /// The deepest overlap, every touch of another part than expected, and every contact that pulls.
+    /// The deepest overlap, every touch of another part than expected, every contact that pulls, and what no surface does.
     pub fn doubts(&self) -> Vec<Doubt> {
         let wrong = self.wrong_features();
         let wrong = wrong.map(|touch| touch.doubt(self.tolerance_m));
         let deepest = self.deepest.iter();
         let deepest = deepest.map(|deepest| deepest.doubt(self.tolerance_m));
         let pulls = self.pulls.iter().filter_map(Pull::doubt);
-        deepest.chain(wrong).chain(pulls).collect()
+        let carried = self.carried.iter().cloned();
+        deepest.chain(wrong).chain(pulls).chain(carried).collect()
     }
 }

@@ -1,10 +1,11 @@
 //! A rigid body: its mass and principal moments at the centre of mass, and what acts on it in
-//! flight beside gravity.
+//! flight, or on what supports it, beside gravity.
 
 use nalgebra::Vector3;
 use thiserror::Error;
 
 use super::drag::Drag;
+use super::support::Support;
 
 /// Moments closer than this, relative to the largest, are one moment: further apart than
 /// rounding leaves them, and so close that a turn of a hundred radians with the mean of two
@@ -14,8 +15,8 @@ const EQUAL_MOMENTS: f64 = 8.0 * f64::EPSILON;
 /// moments are typed with few digits.
 const TRIANGLE_SLACK: f64 = 1e-9;
 
-/// Mass and principal moments of inertia at the centre of mass; constant force and drag in flight,
-/// both none unless given ([`Body::with_force`], [`Body::with_drag`]).
+/// Mass and principal moments of inertia at the centre of mass; constant force, drag in flight and a support,
+/// all none unless given ([`Body::with_force`], [`Body::with_drag`], [`Body::with_support`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     mass_kg: f64,
@@ -23,6 +24,7 @@ pub struct Body {
     symmetry: Symmetry,
     force_m_s2: Vector3<f64>,
     drag: Drag,
+    support: Option<Support>,
 }
 
 /// How many of the moments are equal: which flow is exact for the body.
@@ -92,6 +94,7 @@ impl Body {
             linear_per_s: 0.0,
             quadratic_per_m: 0.0,
         },
+        support: None,
     };
 
     /// A body from its mass \[kg\] and principal moments [kg m²] about body axes 0, 1, 2.
@@ -140,6 +143,7 @@ impl Body {
             symmetry,
             force_m_s2: Vector3::zeros(),
             drag: Drag::default(),
+            support: None,
         })
     }
 
@@ -177,7 +181,13 @@ impl Body {
     pub fn with_factors(self, mass: f64, moments: &Vector3<f64>) -> Result<Self, BodyError> {
         let moments_kg_m2 = self.moments_kg_m2.component_mul(moments) * mass;
         let body = Self::new(self.mass_kg * mass, moments_kg_m2)?;
-        body.with_force(self.force_m_s2)?.with_drag(self.drag)
+        let body = body.with_force(self.force_m_s2)?.with_drag(self.drag)?;
+        Ok(body.with_support(self.support))
+    }
+
+    /// The body where something supports it: it moves by that, without drag.
+    pub fn with_support(self, support: Option<Support>) -> Self {
+        Self { support, ..self }
     }
 
     /// Mass \[kg\].
@@ -205,6 +215,11 @@ impl Body {
         self.drag
     }
 
+    /// What supports it; `None` in flight.
+    pub fn support(&self) -> Option<Support> {
+        self.support
+    }
+
     /// Constant part of the acceleration in flight, `p = g + f` [m/s², world].
     pub fn pull_m_s2(&self, gravity_m_s2: &Vector3<f64>) -> Vector3<f64> {
         gravity_m_s2 + self.force_m_s2
@@ -223,9 +238,9 @@ impl Body {
         pull_m_s2 + self.drag.acceleration_m_s2(velocity_m_s)
     }
 
-    /// Whether its centre of mass flies on a parabola: without drag.
+    /// Whether its centre of mass flies on a parabola: without drag, and nothing supports it.
     pub fn is_ballistic(&self) -> bool {
-        self.drag.is_none()
+        self.drag.is_none() && self.support.is_none()
     }
 }
 

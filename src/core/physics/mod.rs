@@ -13,9 +13,11 @@ pub mod observe;
 pub mod outline;
 pub mod shape;
 pub mod state;
+pub mod support;
 pub mod tree;
 
 pub use body::{Body, BodyError};
 pub use drag::Drag;
 pub use shape::{Shape, ShapeError};
 pub use state::State;
+pub use support::{Support, Sustained};

@@ -1,6 +1,6 @@
 //! The state of a free rigid body and its tangent space.
 
-use nalgebra::{SVector, UnitQuaternion, Vector3};
+use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
 
 use crate::math::{Pose, so3};
 
@@ -10,6 +10,9 @@ pub const DIMENSION: usize = 12;
 /// Tangent of a [`State`]: position [m, world], orientation [rad, body, right], velocity
 /// [m/s, world], angular velocity [rad/s, body], in this order.
 pub type StateTangent = SVector<f64, DIMENSION>;
+
+/// Derivatives of a state by a state.
+pub type ByStates = SMatrix<f64, DIMENSION, DIMENSION>;
 
 /// Where the parts of a [`StateTangent`] begin.
 pub mod part {

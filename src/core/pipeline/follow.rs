@@ -151,9 +151,10 @@ impl<'a> Acted<'a> {
             *cut_s = match of.kind {
                 EventKind::Start => cut_s.max(*event_s),
                 EventKind::End => cut_s.min(*event_s),
-                EventKind::Collision(_) | EventKind::Collisions { .. } | EventKind::Waypoint(_) => {
-                    *event_s
-                }
+                EventKind::Collision(_)
+                | EventKind::Collisions { .. }
+                | EventKind::Change(_)
+                | EventKind::Waypoint(_) => *event_s,
             };
         }
         let segments = segment::cut(self.scene, &sketch).ok()?;

@@ -31,7 +31,7 @@ pub(super) fn guess(
             Some([first_s, last_s]) => shift_s + map.physical_s(0.5 * (first_s + last_s)),
             None => shift_s + 0.5 * (arc.start_s + arc.end_s),
         };
-        let body = scene.body_of(segment.mechanism);
+        let body = &scene.body_between(segment.mechanism, segment.ends());
         let since_s = epoch_s - (arc.epoch_s + shift_s);
         Some(ArcGuess {
             epoch_s,

@@ -54,7 +54,7 @@ pub(super) fn completed(
 }
 
 /// The proposed places of the events; `None` unless every collision has one, in order. Nothing in a
-/// stream shows where a waypoint is: its own mark alone tells, by name.
+/// stream is sought that shows where a waypoint or a change of phase is: its own mark alone tells, by name.
 fn places(
     scene: &Scene,
     sketch: &Sketch,
@@ -71,7 +71,7 @@ fn places(
                 let proposal = proposals.iter().find(|p| p.event == Some(event))?;
                 Some(proposal.stamp(sketch))
             }
-            EventKind::Waypoint(_) => {
+            EventKind::Change(_) | EventKind::Waypoint(_) => {
                 let name = Some(&scene.events[event].name);
                 let mark = marks.iter().find(|mark| mark.event.as_ref() == name)?;
                 Some(mark.stamp)

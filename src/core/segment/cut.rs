@@ -105,7 +105,7 @@ fn between(
     let samples = &sketch.tracks[track].samples;
     let marks_s = &sketch.marks_s;
     let window_s = |event: usize| match scene.events[event].kind {
-        EventKind::Start | EventKind::Waypoint(_) | EventKind::End => 0.0,
+        EventKind::Start | EventKind::Change(_) | EventKind::Waypoint(_) | EventKind::End => 0.0,
         EventKind::Collision(_) | EventKind::Collisions { .. } => window_s,
     };
     let ended = |event: usize| {

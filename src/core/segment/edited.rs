@@ -69,7 +69,10 @@ pub(super) fn join(
                 stamps.push(Stamp(mark_ns));
                 last_ns = mark_ns;
             }
-            EventKind::Collisions { .. } | EventKind::Waypoint(_) | EventKind::End => {}
+            EventKind::Collisions { .. }
+            | EventKind::Change(_)
+            | EventKind::Waypoint(_)
+            | EventKind::End => {}
         }
     }
     let ends = tracks.iter_mut().map(|track| track.place());

@@ -153,7 +153,9 @@ pub(super) fn check_extents(
             EventKind::Collision(collision) => {
                 (shared(scene, extents, collision).unwrap_or(whole), 0)
             }
-            EventKind::Waypoint(link) => (seen(scene, extents, *link).unwrap_or(whole), 0),
+            EventKind::Change(link) | EventKind::Waypoint(link) => {
+                (seen(scene, extents, *link).unwrap_or(whole), 0)
+            }
             EventKind::Start | EventKind::Collisions { .. } | EventKind::End => (whole, slack_ns),
         };
         let inside = stamp.0 >= extent.first.0.saturating_sub(slack_ns)

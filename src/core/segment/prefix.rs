@@ -109,6 +109,11 @@ impl PrefixSums {
     /// Sum of squared distances of samples `begin..end` from their best flight, in the square of
     /// the points' unit.
     pub(super) fn cost(&self, begin: usize, end: usize) -> f64 {
+        self.cost_of(begin, end, false)
+    }
+
+    /// The same; of what a surface carries from their best parabola, since its acceleration is that of friction.
+    pub(super) fn cost_of(&self, begin: usize, end: usize, is_carried: bool) -> f64 {
         let (from, to) = (&self.sums[begin], &self.sums[end.max(begin)]);
         let mut powers = [0.0; 5];
         let mut moments = [Vector3::zeros(); 3];
@@ -130,17 +135,18 @@ impl PrefixSums {
         if first_norm > 0.0 {
             cost -= first.norm_squared() / first_norm;
         }
-        if let Some(along) = self.free_along
-            && count > 3.0
-        {
+        if count > 3.0 && (is_carried || self.free_along.is_some()) {
             let slope = (powers[3] - powers[2] * mean) / first_norm;
             let second_norm =
                 powers[4] - powers[2] * powers[2] / count - slope * slope * first_norm;
             let second = moments[2] - moments[0] * (powers[2] / count) - first * slope;
             // Curvature against gravity is not allowed.
-            let fall = second.dot(&along).max(0.0);
+            let bent = match self.free_along {
+                Some(along) if !is_carried => second.dot(&along).max(0.0).powi(2),
+                _ => second.norm_squared(),
+            };
             if second_norm > 0.0 {
-                cost -= fall * fall / second_norm;
+                cost -= bent / second_norm;
             }
         }
         cost.max(0.0)

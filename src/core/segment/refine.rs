@@ -78,16 +78,22 @@ pub fn refine(scene: &Scene, sketch: &mut Sketch) -> usize {
 fn left_m2_of(scene: &Scene, sketch: &Sketch, sums: &PrefixSums, track: TrackIndex) -> f64 {
     let samples = &sketch.tracks[track].samples;
     let mechanism = scene.mechanism_seen_by(track);
-    let (mut left_m2, mut begin) = (0.0, 0);
+    let is_carried = |event: usize, is_after: bool| {
+        let phase = scene.phase_beside(mechanism, event, is_after);
+        phase.is_some()
+    };
+    let (mut left_m2, mut begin, mut carries) = (0.0, 0, false);
     for (event, of) in scene.events.iter().enumerate() {
         if scene.concerns(event, mechanism) {
             let at = samples.partition_point(|s| s.acted_s <= sketch.marks_s[event]);
             let beside = usize::from(of.kind.collision().is_some());
-            left_m2 += sums.cost(begin, at.saturating_sub(beside));
+            carries |= is_carried(event, false);
+            left_m2 += sums.cost_of(begin, at.saturating_sub(beside), carries);
             begin = (at + beside).min(samples.len());
+            carries = is_carried(event, true);
         }
     }
-    left_m2 + sums.cost(begin, samples.len())
+    left_m2 + sums.cost_of(begin, samples.len(), carries)
 }
 
 /// Enlarges the standard deviations `σ` of marks to `σ √((ν + d²)/(ν + 1))`, at least `σ`: at the
@@ -139,6 +145,8 @@ struct Stretch {
     end: usize,
     /// Number of samples between the first of the collisions and the last.
     span: usize,
+    /// Whether a surface carries what is seen, before and after.
+    carries: [bool; 2],
 }
 
 impl Stretch {
@@ -160,6 +168,10 @@ impl Stretch {
                 .find(concerns)
                 .map_or(samples.len(), |e| index_at(e).saturating_sub(beside(e))),
             span: index_at(last).saturating_sub(index_at(first)),
+            carries: [(first, false), (last, true)].map(|(event, is_after)| {
+                let phase = scene.phase_beside(mechanism, event, is_after);
+                phase.is_some()
+            }),
         }
     }
 
@@ -172,7 +184,8 @@ impl Stretch {
     /// Residual sum of squares with a cut \[m²\]; the samples beside it are left out.
     fn cost(&self, sums: &PrefixSums, cut: usize) -> f64 {
         let [before, after] = self.flights(cut);
-        sums.cost(before.start, before.end) + sums.cost(after.start, after.end)
+        let [slides, stays] = self.carries;
+        sums.cost_of(before.start, before.end, slides) + sums.cost_of(after.start, after.end, stays)
     }
 
     fn flights(&self, cut: usize) -> [Range<usize>; 2] {

@@ -39,10 +39,13 @@ pub fn relocate_marks(scene: &Scene, sketch: &mut Sketch) -> Vec<usize> {
     let mut moved = Vec::new();
     let tracks = sketch.tracks.iter_enumerated();
     for (index, track) in tracks.filter(|(index, _)| scene.sees_moving(*index)) {
-        if scene.has_keyframes(sketch, index) {
+        let mechanism = scene.mechanism_seen_by(index);
+        let mut phases = scene.phases.iter();
+        // Cuts are sought between flights.
+        let is_carried = phases.any(|phase| scene.mechanism_of(phase.link) == mechanism);
+        if is_carried || scene.has_keyframes(sketch, index) {
             continue;
         }
-        let mechanism = scene.mechanism_seen_by(index);
         let events: Vec<usize> = collisions()
             .filter_map(|(event, collision)| {
                 scene.takes_part(mechanism, collision).then_some(event)

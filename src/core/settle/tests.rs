@@ -51,6 +51,7 @@ pub(super) fn estimate(scene: &Scene, state: State) -> Estimate {
             state,
             start_s: 0.2,
             end_s: 0.8,
+            support: None,
             certainty: None,
         }],
         held: Vec::new(),

@@ -15,7 +15,7 @@
 //! - the energy loss follows restitution. With the contacts' relative speeds `u` along the normals
 //!   and Delassus' operator `W` (speeds per impulses) of all bodies it is `½ (1 − e²) uᵀ W⁻¹ u`;
 //!   friction at one contact takes between zero and `½ (vᵀ W⁻¹ v − u²/(nᵀ W n))` more, the whole
-//!   energy of sliding there.
+//!   energy of sliding there; that of a flat landing all of what impulses along the normals leave.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
@@ -24,6 +24,7 @@ use super::meeting::World;
 use super::moving::MovingLink;
 use crate::math::so3;
 use crate::motion::{Balance, LinkIndex};
+use crate::physics::Support;
 use crate::physics::contact::Frame;
 use crate::physics::flow::Fall;
 use crate::physics::{Body, State};
@@ -36,7 +37,8 @@ pub(super) fn balance(world: &World) -> Balance {
     for link in world.links.iter().filter(|link| link.held.is_none()) {
         for arc in &link.arcs {
             let ends = [arc.start_s, arc.end_s].map(|time_s| link.state(arc, time_s));
-            flight(world, link, &ends, arc.end_s - arc.start_s, &mut balance);
+            let duration_s = arc.end_s - arc.start_s;
+            flight(world, link, &ends, duration_s, arc.support, &mut balance);
         }
     }
     for event in &world.estimate.events {
@@ -69,11 +71,21 @@ fn flight(
     link: &MovingLink,
     [start, end]: &[State; 2],
     duration_s: f64,
+    support: Option<Support>,
     balance: &mut Balance,
 ) {
-    let body = &link.of_scene.body;
+    let body = &link.of_scene.body.with_support(support);
     let gravity = world.estimate.gravity_m_s2;
     let pull = body.pull_m_s2(&gravity);
+    if support.is_some() {
+        // Friction takes energy and momentum, and gives none.
+        let potential = -body.mass_kg() * pull.dot(&(end.position_m - start.position_m));
+        let (before, after) = (kinetic_j(body, start), kinetic_j(body, end));
+        let gained = (after + potential - before).max(0.0);
+        let gained = relative(gained, before.max(after).max(potential.abs()));
+        balance.flight_energy = balance.flight_energy.max(gained);
+        return;
+    }
     let drag = DragSum::over(body, &gravity, start, duration_s);
     let potential = -body.mass_kg() * pull.dot(&(end.position_m - start.position_m));
     let (before, after) = (kinetic_j(body, start), kinetic_j(body, end));
@@ -188,8 +200,11 @@ impl<'a> EstimatedImpact<'a> {
             }
             sum += change;
             size += own;
-            let turned = self.turned(index);
-            balance.impact_angular_momentum = balance.impact_angular_momentum.max(turned);
+            // Friction of a face turns about every point of it.
+            if !law.contacts.is_landing() {
+                let turned = self.turned(index);
+                balance.impact_angular_momentum = balance.impact_angular_momentum.max(turned);
+            }
         }
         if self.deflected().count() > 1 {
             balance.impact_momentum = balance.impact_momentum.max(relative(sum.norm(), size));
@@ -269,7 +284,9 @@ impl<'a> EstimatedImpact<'a> {
     fn taken_j(&self, law: &CheckedLaw) -> Option<[f64; 2]> {
         let (count, elastic) = (self.normals.len(), law.law.restitution.powi(2));
         // Rows: a speed along a normal; with friction, along the world's axes at the one contact.
-        let directions: Vec<(usize, Vector3<f64>)> = match law.contacts.has_friction() {
+        let is_landing = law.contacts.is_landing();
+        let has_friction = law.contacts.has_friction() && !is_landing;
+        let directions: Vec<(usize, Vector3<f64>)> = match has_friction {
             true => (0..3).map(|axis| (0, Vector3::ith(axis, 1.0))).collect(),
             false => (0..count).map(|at| (at, self.normals[at])).collect(),
         };
@@ -292,9 +309,13 @@ impl<'a> EstimatedImpact<'a> {
             }
         }
         let whole_j = 0.5 * speeds.dot(&delassus.clone().cholesky()?.solve(&speeds));
-        if !law.contacts.has_friction() {
+        if !has_friction {
             let lost_j = (1.0 - elastic) * whole_j;
-            return Some([lost_j; 2]);
+            let left_j = match is_landing {
+                true => kinetic_j(self.sides[0].body, &self.sides[0].states[0]) - whole_j,
+                false => 0.0,
+            };
+            return Some([lost_j, lost_j + left_j]);
         }
         let normal = DVector::from_column_slice(self.normals[0].as_slice());
         let along = normal.dot(&speeds);

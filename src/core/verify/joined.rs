@@ -130,6 +130,7 @@ pub fn check_until(
             deepest,
             touches,
             pulls: off.pulls,
+            carried: Vec::new(),
             single_shot: SingleShot {
                 deviations: off.ends,
                 ..SingleShot::default()

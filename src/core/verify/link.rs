@@ -52,6 +52,7 @@ impl<'a> JoinedLink<'a> {
             state: self.at(pair[0]),
             start_s: pair[0],
             end_s: pair[1],
+            support: None,
             certainty: None,
         });
         pieces.collect()

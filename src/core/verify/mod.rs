@@ -2,13 +2,14 @@
 //!
 //! `overlap` searches for solids inside one another along the arcs, `touch` for another part of
 //! a body that would have touched before the expected one, both by parry's distances; `pull` for
-//! contacts that would have to pull. `shot`
+//! contacts that would have to pull; `carried` for what no surface does to what is on it. `shot`
 //! simulates the whole motion from the first states alone: flights by the Taylor series of
 //! Euler's equations (`series`), collisions by distance. `balance` checks energy and momentum.
 //! [`verify`](verify()) runs all of these. [`credible`] checks in addition whether the motion can
 //! be what was acted; [`joined`] checks what is checked of joined bodies.
 
 mod balance;
+mod carried;
 pub mod credible;
 mod expected;
 mod gap;

@@ -71,7 +71,8 @@ impl<'a> MovingLink<'a> {
             return joined.state(arc, time_s);
         }
         let since_s = time_s - arc.epoch_s;
-        flow::advance(&self.of_scene.body, &self.gravity_m_s2, &arc.state, since_s)
+        let body = self.of_scene.body.with_support(arc.support);
+        flow::advance(&body, &self.gravity_m_s2, &arc.state, since_s)
     }
 
     /// The arc that ends at a time.
@@ -96,7 +97,12 @@ impl<'a> MovingLink<'a> {
         // |v| is largest at an end: where it stands still its second derivative is positive, as
         // |p|² > (p·v)²/v² there, with drag as without.
         let speed_at = |time_s| self.state(arc, time_s).velocity_m_s.norm();
-        let spin = spin_bound_rad_s(&self.of_scene.body, &arc.state.angular_velocity_rad_s);
+        // On a support the angular velocity is linear in time.
+        let spin_at = |time_s| self.state(arc, time_s).angular_velocity_rad_s.norm();
+        let spin = match arc.support {
+            Some(_) => spin_at(from_s).max(spin_at(to_s)),
+            None => spin_bound_rad_s(&self.of_scene.body, &arc.state.angular_velocity_rad_s),
+        };
         speed_at(from_s).max(speed_at(to_s)) + spin * self.radius_m
     }
 }
@@ -121,6 +127,7 @@ fn between_collisions(
         state: held.state(pair[0]),
         start_s: pair[0],
         end_s: pair[1],
+        support: None,
         certainty: None,
     });
     pieces.collect()

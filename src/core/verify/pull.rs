@@ -1,7 +1,9 @@
 //! Contacts that pull. At several contacts at once the law of impact lets each rebound as the restitution says; where one
 //! comes far more slowly than the others, that takes an impulse which draws it back, and no contact can exert one: it would
-//! come off, which is another motion.
+//! come off, which is another motion. Three contacts of a face stand for all of it: none pulls where the surface presses
+//! within the solid's outline.
 
+use super::carried;
 use super::law::CheckedLaw;
 use super::meeting::World;
 use crate::motion::{LinkIndex, Pull};
@@ -23,7 +25,12 @@ pub(super) fn pulls(world: &World) -> Vec<Pull> {
             Some(other) => Some(before(other)?),
             None => None,
         };
-        let impact = law.impact(&before(law.link)?, other.as_ref())?;
+        let state = before(law.link)?;
+        let impact = law.impact(&state, other.as_ref())?;
+        let link = &world.links[law.link];
+        if law.other.is_none() && carried::presses_within(world, link, &state, &law, &impact) {
+            return None;
+        }
         of(event.event, &impact.normal_impulses_n_s[..count])
     });
     pulls.collect()

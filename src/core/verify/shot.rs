@@ -61,6 +61,10 @@ pub(super) fn shoot<'w>(world: &'w World<'w>) -> SingleShot {
         if world.scene.events[event.event].kind.collision().is_some() {
             shot.collide(event);
         }
+        if let Some(link) = world.scene.events[event.event].kind.change() {
+            shot.advance(link, event.time_s);
+            shot.compare(link, Some(event.event), event.time_s);
+        }
     }
     shot.end();
     shot.result
@@ -134,7 +138,11 @@ impl FreeShot<'_> {
         if let Some(held) = self.world.links[link].held {
             return Some(held.state(time_s));
         }
+        let middle_s = 0.5 * (time_s + flight.time_s);
+        let arcs = &self.world.links[link].arcs;
+        let on = arcs.iter().rfind(|arc| arc.start_s <= middle_s);
         let body = &self.world.scene.links[link].body;
+        let body = &body.with_support(on.and_then(|arc| arc.support));
         let gravity = &self.world.estimate.gravity_m_s2;
         let since_s = time_s - flight.time_s;
         Some(series::advance(body, gravity, &flight.state, since_s))

@@ -63,6 +63,7 @@ fn arc(mechanism: MechanismIndex, state: State, start_s: f64, end_s: f64) -> Arc
         state,
         start_s,
         end_s,
+        support: None,
         certainty: None,
     }
 }

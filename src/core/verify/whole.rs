@@ -1,7 +1,7 @@
 //! All checks of one estimate.
 
 use super::meeting::World;
-use super::{balance, overlap, pull, shot, touch};
+use super::{balance, carried, overlap, pull, shot, touch};
 use crate::motion::{Estimate, LinkIndex, Observer, Penetration, Scene, Touch, Verification};
 
 /// Checks an estimated motion independently of its estimation.
@@ -32,6 +32,7 @@ pub fn verify_until(
         deepest,
         touches,
         pulls: pull::pulls(&world),
+        carried: carried::doubts(&world),
         single_shot: shot::shoot(&world),
         balance: balance::balance(&world),
     })

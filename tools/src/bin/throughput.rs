@@ -63,6 +63,7 @@ fn estimate() -> Estimate {
             },
             start_s: 0.0,
             end_s: 1.0,
+            support: None,
             certainty: None,
         }],
         held: Vec::new(),

@@ -391,6 +391,7 @@ impl Bouncer {
                 state: hop.state,
                 start_s,
                 end_s,
+                support: None,
                 certainty: None,
             });
             start_s = end_s;
@@ -443,6 +444,7 @@ impl Bouncer {
             tracks: TiVec::new(),
             surfaces: vec![table],
             obstacles: Vec::new(),
+            phases: Vec::new(),
             contact_laws,
             events,
             goals: Vec::new(),

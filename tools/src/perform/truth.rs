@@ -191,7 +191,9 @@ pub fn simulate(
             EventKind::End => duration_s,
             EventKind::Collisions { .. } => return Err(TruthError::Lacks { what: "a number" }),
             // Nothing happens there: `with_waypoint` says when it is.
-            EventKind::Waypoint(_) => return Err(TruthError::Lacks { what: "a time" }),
+            EventKind::Change(_) | EventKind::Waypoint(_) => {
+                return Err(TruthError::Lacks { what: "a time" });
+            }
             EventKind::Collision(_) => {
                 let encounter = Encounter::of(scene, parameters, event)
                     .ok_or(TruthError::Lacks { what: "a contact" })?;
@@ -215,6 +217,7 @@ pub(super) fn arc(mechanism: MechanismIndex, state: State, start_s: f64) -> ArcE
         state,
         start_s,
         end_s: f64::INFINITY,
+        support: None,
         certainty: None,
     }
 }

@@ -139,6 +139,7 @@ fn gaining_ball() -> Truth {
             state,
             start_s,
             end_s,
+            support: None,
             certainty: None,
         });
     }

@@ -55,6 +55,7 @@ pub fn hit(scene: &Scene, at: &State, before_s: f64, after_s: f64) -> Result<Tru
         state,
         start_s,
         end_s,
+        support: None,
         certainty: None,
     };
     let simulated =

@@ -23,9 +23,9 @@ use super::value::{Corners, Number, Quadruple, Text, Triple};
 pub(in crate::config) struct RawEvent {
     /// Its name, which marks have.
     pub(in crate::config) name: Text,
-    /// "start", "collision", "waypoint" or "end".
+    /// "start", "collision", "change", "waypoint" or "end".
     pub(in crate::config) kind: Text,
-    /// The body that collides, or flies by a waypoint.
+    /// The body that collides, whose phase changes, or that flies by a waypoint.
     pub(in crate::config) body: Option<Text>,
     /// By what it touches. Default: inferred.
     pub(in crate::config) feature: Option<Text>,

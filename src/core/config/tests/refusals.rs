@@ -352,7 +352,7 @@ fn events_and_goals_refer_to_what_exists() {
             "kind = \"split\"",
             30,
             "\"split\"",
-            "expected one of start, collision, waypoint, end",
+            "expected one of start, collision, change, waypoint, end",
         ),
         (
             "kind = \"start\"",

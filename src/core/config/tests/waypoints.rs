@@ -92,7 +92,7 @@ fn a_wrong_waypoint_says_where_and_what_is_expected() {
         &with("kind = \"start\"", "kind = \"way\""),
         30,
         "\"way\"",
-        "expected one of start, collision, waypoint, end",
+        "expected one of start, collision, change, waypoint, end",
     );
     let goal = |keys: &str| {
         let goal = format!("\n[[goal]]\nevent = \"top\"\nbody = \"pencil\"\n{keys}\n");

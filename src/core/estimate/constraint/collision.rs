@@ -216,7 +216,7 @@ fn sides<'a>(
     [0, 1].map(|side: usize| {
         let state = &before[side].as_ref()?.state;
         let body = match collision.sides.get(side) {
-            Some(side) => &problem.bodies[side.mechanism],
+            Some(side) => problem.body_of(side.before),
             None => &Body::IMMOVABLE,
         };
         Some(impact::Side { body, state })

@@ -19,7 +19,6 @@ use crate::estimate::reach::arrival::{ByStates, GeneralArrival};
 use crate::estimate::terms::modelled::TouchedPair;
 use crate::estimate::unknowns::layout::Layout;
 use crate::math::so3;
-use crate::motion::MechanismIndex;
 use crate::optimise::block::BlockPattern;
 use crate::physics::impact::{self, ImpactByModel};
 use crate::physics::state::{StateTangent, part};
@@ -61,14 +60,22 @@ pub(super) fn patterns(
     [block, gaps]
 }
 
-/// Parameters of the law that are free.
+/// Parameters of the law that are free, without one that acts on a support too.
 fn law(collision: &ArcCollision) -> impl Iterator<Item = usize> + '_ {
     let law = [
         collision.restitution_parameter,
-        collision.friction_parameter,
+        collision
+            .friction_parameter
+            .filter(|of| !acts_too(collision, *of)),
     ];
     let tilts = collision.tilts.iter().map(|(_, parameter)| *parameter);
     law.into_iter().flatten().chain(tilts)
+}
+
+/// Whether a parameter of the law acts on a support beside the impact too: it has one column.
+fn acts_too(collision: &ArcCollision, parameter: usize) -> bool {
+    let mut acting = collision.acting.iter();
+    acting.any(|acting| acting.parameter == parameter)
 }
 
 /// Sets all values, bounds and derivatives; `None`, and nothing set, where the impact is
@@ -92,12 +99,14 @@ pub(super) fn fill(
         .chain(held.map(Some))
         .collect::<Option<_>>()?;
     let by_state: Vec<ByStates> = before.iter().map(GeneralArrival::by_state).collect();
-    let bodies = problem.bodies_at(parameters)?;
-    let body = |mechanism: MechanismIndex| &bodies[mechanism];
+    let bodies: Vec<Body> = collision
+        .sides
+        .iter()
+        .map(|side| problem.body_at(side.before, parameters))
+        .collect::<Option<_>>()?;
     let side = |index: usize| {
-        let of = collision.sides.get(index);
         Some(impact::Side {
-            body: of.map_or(&Body::IMMOVABLE, |of| body(of.mechanism)),
+            body: bodies.get(index).unwrap_or(&Body::IMMOVABLE),
             state: &before.get(index)?.end.state,
         })
     };
@@ -107,7 +116,12 @@ pub(super) fn fill(
     let law = collision.law(parameters);
     let derivative = &mut at.impact;
     let impact = contacts.derivative(&a, b.as_ref(), &law, derivative).ok()?;
-    let is_of_model = |acting: &Acting| !matches!(acting.influence, Influence::Pull(_));
+    let is_of_model = |acting: &Acting| {
+        !matches!(
+            acting.influence,
+            Influence::Pull(_) | Influence::SupportFriction
+        )
+    };
     let own: Vec<OfModel> = if collision.acting.iter().any(is_of_model) {
         let by = contacts.by_model(&a, b.as_ref(), &law).ok()?;
         let acting = collision.acting.iter();
@@ -217,7 +231,9 @@ pub(super) fn fill(
             column
         };
         let restitution = collision.restitution_parameter;
-        let friction = collision.friction_parameter;
+        let friction = collision
+            .friction_parameter
+            .filter(|of| !acts_too(collision, *of));
         columns.extend(restitution.map(|_| velocities(derivative.after_by_restitution[index])));
         columns.extend(friction.map(|_| velocities(derivative.after_by_friction[index])));
         columns.extend(collision.tilts.iter().map(|(tangent, _)| {
@@ -236,6 +252,9 @@ pub(super) fn fill(
             }
             let mut velocities = column.fixed_rows_mut::<6>(part::VELOCITY);
             velocities -= own.after[index];
+            if collision.friction_parameter == Some(acting.parameter) {
+                velocities -= derivative.after_by_friction[index];
+            }
             column
         }));
         for row in 0..STATE {

@@ -117,7 +117,11 @@ impl Problem {
         let samples = self.sample_orders.iter().map(|of| of as &dyn Constraint);
         let times = self.time_bounds.iter().map(|of| of as &dyn Constraint);
         let clearances = self.clearances.iter().map(|of| of as &dyn Constraint);
+        let changes = self.changes.iter().map(|of| of as &dyn Constraint);
+        let supports = self.supports.iter().map(|of| of as &dyn Constraint);
         collisions
+            .chain(changes)
+            .chain(supports)
             .chain(goals)
             .chain(conditions)
             .chain(times)

@@ -6,6 +6,7 @@
 //! [`Constraint`] is the interface of all kinds; rows are stored in a [`crate::optimise::block`].
 
 pub(in crate::estimate) mod bound;
+mod change;
 mod clearance;
 pub mod collision;
 mod condition;
@@ -20,6 +21,7 @@ pub(in crate::estimate) mod quantity;
 mod reached;
 mod rows;
 mod sample_order;
+mod support;
 mod time;
 pub(in crate::estimate) mod touched;
 pub(in crate::estimate) mod within;

@@ -38,8 +38,7 @@ impl<'a> Reached<'a> {
             let end = ArcEnd::new(body, gravity_m_s2, point, arc, [epoch_s, time_s]);
             (ReachedEnd::Plain(Box::new(end)), *body)
         } else {
-            let bodies = problem.bodies_at(&point.parameters)?;
-            let body = bodies[problem.arcs[arc].mechanism];
+            let body = problem.body_at(arc, &point.parameters)?;
             let arrival = GeneralArrival::new(problem, point, arc, epoch_s, time_s)?;
             (ReachedEnd::General(Box::new(arrival)), body)
         };

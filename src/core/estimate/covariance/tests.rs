@@ -36,7 +36,11 @@ fn information_of_samples_is_that_of_their_differences() {
         of_samples.multiply_add(pattern, &step, &mut product);
         let exact = step.dot(&product);
         let error = (numeric - exact).abs();
-        assert!(error < 1e-5 * (1.0 + numeric), "{numeric} {exact}");
+        // By time, the steps of what a surface carries have their own error.
+        let mut arcs = context.problem.arcs.iter();
+        let is_carried = arcs.any(|arc| arc.body.support().is_some());
+        let most = if is_carried { 1e-4 } else { 1e-5 };
+        assert!(error < most * (1.0 + numeric), "{numeric} {exact}");
     });
 }
 

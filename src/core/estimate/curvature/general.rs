@@ -161,8 +161,7 @@ impl<'a> General<'a> {
         call: &mut dyn FnMut(usize, &Observed),
     ) -> Option<()> {
         let problem = self.context.problem;
-        let bodies = problem.bodies_at(&point.parameters)?;
-        let body = &bodies[problem.arcs[self.arc].mechanism];
+        let body = &problem.body_at(self.arc, &point.parameters)?;
         let gravity_m_s2 = problem.gravity(&point.parameters);
         let times_s = point.node_times_s.iter().map(|time_s| time_s + later_s);
         let times_s: Vec<f64> = times_s.collect();

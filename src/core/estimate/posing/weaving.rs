@@ -57,6 +57,7 @@ impl Problem {
                         moved: self.moved_by(arc),
                         remembered: 0,
                         is_levered: arc.views.iter().any(|view| view.shows == Shows::Point),
+                        is_carried: arc.body.support().is_some(),
                     });
                 }
                 let woven = hand.arcs.last_mut().expect("just added");
@@ -242,7 +243,7 @@ impl Problem {
     ) -> Vec<Kink> {
         let gravity_m_s2 = self.gravity(&at.parameters);
         let velocities = |arc: usize, time_s: f64| {
-            let body = &self.bodies[self.arcs[arc].mechanism];
+            let body = self.body_of(arc);
             let state = flow::advance(body, &gravity_m_s2, &at.arcs[arc], time_s - epochs_s[arc]);
             [state.velocity_m_s, state.angular_velocity_rad_s]
         };

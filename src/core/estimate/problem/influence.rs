@@ -32,6 +32,8 @@ pub enum Influence {
     SampleTime,
     /// By how much later than its impact a flight begins.
     ContactDuration,
+    /// The friction of what supports a body.
+    SupportFriction,
     /// Where a surface is along its normal.
     SurfaceHeight,
     /// How a surface is turned about a tangent.
@@ -106,6 +108,7 @@ impl Influence {
                     Vector3::from_fn(|axis, _| f64::from(u8::from(axes[axis])) / value);
             }
             Self::Centre(axis) => change.centre_m[axis] = 1.0,
+            Self::SupportFriction => change.friction = 1.0,
             _ => return None,
         }
         Some(change)

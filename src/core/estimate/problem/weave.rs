@@ -68,6 +68,8 @@ pub struct WovenArc {
     pub remembered: usize,
     /// Whether positions that are seen depend on how the body is turned.
     pub is_levered: bool,
+    /// Whether a surface carries the body, so that places and turns depend on each other.
+    pub is_carried: bool,
 }
 
 /// A sample.

@@ -13,7 +13,7 @@
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use crate::estimate::unknowns::point::Point;
-use crate::physics::flow::Turns;
+use crate::physics::flow::{Carried, Supported, Turns};
 use crate::physics::state::{StateTangent, part};
 use crate::physics::{Body, State, flow};
 
@@ -79,6 +79,10 @@ impl ArcEnd {
         [epoch_s, time_s]: [f64; 2],
     ) -> Self {
         let state = &point.arcs[arc];
+        if let Some(mut supported) = Supported::new(body, gravity_m_s2, state) {
+            let duration_s = time_s - epoch_s;
+            return Self::carried(&supported.carried(duration_s), duration_s);
+        }
         point.kept.with_turns(body, state, |turns| {
             Self::after(turns, gravity_m_s2, state, time_s - epoch_s)
         })
@@ -106,6 +110,24 @@ impl ArcEnd {
             by_orientation: turn.orientation_by_orientation,
             turn_by_spin: turn.orientation_by_angular_velocity,
             spin_by_spin: turn.angular_velocity_by_angular_velocity,
+        }
+    }
+
+    /// On a support after a duration: its derivatives are [`Carried`]'s, of which the blocks here are a part.
+    pub(in crate::estimate) fn carried(carried: &Carried, duration_s: f64) -> Self {
+        let block = |row: usize, column: usize| {
+            carried
+                .by_state
+                .fixed_view::<3, 3>(row, column)
+                .into_owned()
+        };
+        Self {
+            state: carried.state,
+            duration_s,
+            by_orientation: block(part::ORIENTATION, part::ORIENTATION),
+            turn_by_spin: block(part::ORIENTATION, part::ANGULAR_VELOCITY),
+            spin_by_spin: block(part::ANGULAR_VELOCITY, part::ANGULAR_VELOCITY),
+            rate: carried.rate,
         }
     }
 

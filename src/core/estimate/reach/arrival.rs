@@ -8,9 +8,11 @@ use crate::estimate::problem::Problem;
 use crate::estimate::problem::influence::{Acting, Influence, drag_is_free};
 use crate::estimate::unknowns::point::Point;
 use crate::physics::State;
-pub(in crate::estimate) use crate::physics::flow::ByStates;
-use crate::physics::flow::{self, Fall, Fallen, Flown, Turn, TurnByMoments};
-use crate::physics::state::StateTangent;
+use crate::physics::flow::{
+    self, Carried, Fall, Fallen, Flown, FreeFlown, Supported, Turn, TurnByMoments,
+};
+pub(in crate::estimate) use crate::physics::state::ByStates;
+use crate::physics::state::{StateTangent, part};
 
 /// An arc's state at an event.
 pub(in crate::estimate) struct GeneralArrival {
@@ -28,10 +30,17 @@ impl GeneralArrival {
         epoch_s: f64,
         time_s: f64,
     ) -> Option<Self> {
-        let bodies = problem.bodies_at(&point.parameters)?;
-        let body = &bodies[problem.arcs[arc].mechanism];
+        let body = &problem.body_at(arc, &point.parameters)?;
         let gravity_m_s2 = problem.gravity(&point.parameters);
         let state: &State = &point.arcs[arc];
+        if let Some(mut supported) = Supported::new(body, &gravity_m_s2, state) {
+            let duration_s = time_s - epoch_s;
+            let carried = supported.carried(duration_s);
+            return Some(Self {
+                end: ArcEnd::carried(&carried, duration_s),
+                flown: Flown::Carried(carried),
+            });
+        }
         let end = ArcEnd::new(body, &gravity_m_s2, point, arc, [epoch_s, time_s]);
         let s = end.duration_s;
         let is_moment = |acting: &Acting| matches!(acting.influence, Influence::Moment(_));
@@ -69,17 +78,26 @@ impl GeneralArrival {
         };
         Self {
             end,
-            flown: Flown {
+            flown: Flown::Free(FreeFlown {
                 fallen,
                 turn,
                 by_moments,
-            },
+            }),
+        }
+    }
+
+    /// The slip with its derivatives, of an arc on a support.
+    pub(in crate::estimate) fn carried(&self) -> Option<&Carried> {
+        match &self.flown {
+            Flown::Free(_) => None,
+            Flown::Carried(carried) => Some(carried),
         }
     }
 
     /// Derivative of a component of the velocity by itself at the epoch.
     pub(in crate::estimate) fn velocity_by_velocity(&self, axis: usize) -> f64 {
-        self.flown.fallen.velocity_by_velocity[(axis, axis)]
+        let at = part::VELOCITY + axis;
+        self.flown.by_state()[(at, at)]
     }
 
     /// Derivatives by the state at the epoch.
@@ -92,6 +110,7 @@ impl GeneralArrival {
         let flown = &self.flown;
         match influence {
             Influence::Pull(axis) => flown.by_pull(axis),
+            Influence::SupportFriction => flown.by_friction(),
             Influence::LinearDrag => flown.by_drag(0),
             Influence::QuadraticDrag => flown.by_drag(1),
             Influence::Moment(axes) => (0..3)

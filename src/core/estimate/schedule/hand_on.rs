@@ -51,7 +51,7 @@ fn after(
     let side = |index: usize| {
         let state = before.get(index)?;
         let body = match collision.sides.get(index) {
-            Some(side) => &problem.bodies[side.mechanism],
+            Some(side) => problem.body_of(side.before),
             None => &Body::IMMOVABLE,
         };
         Some(Side { body, state })

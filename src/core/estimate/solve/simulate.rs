@@ -54,7 +54,7 @@ pub(in crate::estimate) fn simulate(
                 angular_velocity_rad_s: after.angular_velocity_rad_s,
                 ..*before
             };
-            let body = &problem.bodies[side.mechanism];
+            let body = problem.body_of(side.after);
             let since_s = epochs_s[side.after] - time_s;
             point.arcs[side.after] = flow::advance(body, &gravity, &state, since_s);
         }
@@ -92,18 +92,13 @@ impl Approach<'_> {
         let states = self.of.sides.iter().map(|side| {
             let since_s = time_s - self.epochs_s[side.before];
             let state = &self.point.arcs[side.before];
-            flow::advance(
-                &self.problem.bodies[side.mechanism],
-                &gravity,
-                state,
-                since_s,
-            )
+            flow::advance(self.problem.body_of(side.before), &gravity, state, since_s)
         });
         let held = self.of.held.map(|held| self.held_at(held, time_s));
         let states: Vec<State> = states.chain(held).collect();
         let sides = states.iter().enumerate().map(|(index, state)| {
             let body = match self.of.sides.get(index) {
-                Some(side) => &self.problem.bodies[side.mechanism],
+                Some(side) => self.problem.body_of(side.before),
                 None => &Body::IMMOVABLE,
             };
             Side { body, state }

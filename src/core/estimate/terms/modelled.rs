@@ -4,16 +4,15 @@
 use std::borrow::Cow;
 
 use nalgebra::{SMatrix, Vector3};
-use typed_index_collections::TiVec;
 
 use crate::estimate::problem::influence::{Influence, Owner};
-use crate::estimate::problem::{ArcCollision, ArcSample, Problem};
+use crate::estimate::problem::{Arc, ArcCollision, ArcSample, Problem};
 use crate::estimate::unknowns::point::Point;
 use crate::math::{Pose, so3};
-use crate::motion::{MechanismIndex, TrackIndex};
+use crate::motion::TrackIndex;
 use crate::physics::contact::Contact;
 use crate::physics::impact::ContactSet;
-use crate::physics::{Body, Drag};
+use crate::physics::{Body, Drag, Support};
 
 /// How a tracker is mounted, corrected by parameters.
 #[derive(Clone, Copy, Debug)]
@@ -34,41 +33,49 @@ pub struct Mount {
 }
 
 impl Problem {
-    /// The equations of motion with free quantities taken from `parameters`; `None` where no body
+    /// The equations of motion on an arc, with free quantities taken from `parameters`; `None` where no body
     /// has such moments.
-    pub fn bodies_at(&self, parameters: &[f64]) -> Option<Cow<'_, TiVec<MechanismIndex, Body>>> {
-        let mut bodies = Cow::Borrowed(&self.bodies);
-        for (mechanism, body) in self.bodies.iter_enumerated() {
-            let mut force_m_s2 = body.force_m_s2();
-            let mut drag: Drag = body.drag();
-            let (mut mass, mut moments) = (1.0, Vector3::repeat(1.0));
-            let mut is_changed = false;
-            for role in &self.roles {
-                if !matches!(role.owner, Owner::Link(_, of) if of == mechanism) {
-                    continue;
-                }
-                let value = parameters[role.parameter];
-                match role.influence {
-                    Influence::Pull(axis) => force_m_s2[axis] = value,
-                    Influence::LinearDrag => drag.linear_per_s = value,
-                    Influence::QuadraticDrag => drag.quadratic_per_m = value,
-                    Influence::Moment(axes) => {
-                        for axis in (0..3).filter(|axis| axes[*axis]) {
-                            moments[axis] = value;
-                        }
+    pub fn body_at(&self, arc: usize, parameters: &[f64]) -> Option<Body> {
+        let Arc {
+            mechanism, body, ..
+        } = &self.arcs[arc];
+        let mut force_m_s2 = body.force_m_s2();
+        let mut drag: Drag = body.drag();
+        let (mut mass, mut moments) = (1.0, Vector3::repeat(1.0));
+        let mut is_changed = false;
+        for role in &self.roles {
+            if !matches!(role.owner, Owner::Link(_, of) if of == *mechanism) {
+                continue;
+            }
+            let value = parameters[role.parameter];
+            match role.influence {
+                Influence::Pull(axis) => force_m_s2[axis] = value,
+                Influence::LinearDrag => drag.linear_per_s = value,
+                Influence::QuadraticDrag => drag.quadratic_per_m = value,
+                Influence::Moment(axes) => {
+                    for axis in (0..3).filter(|axis| axes[*axis]) {
+                        moments[axis] = value;
                     }
-                    Influence::Mass => mass = value,
-                    _ => continue,
                 }
-                is_changed = true;
+                Influence::Mass => mass = value,
+                _ => continue,
             }
-            if is_changed {
-                let body = body.with_factors(mass, &moments).ok()?;
-                let body = body.with_force(force_m_s2).ok()?.with_drag(drag).ok()?;
-                bodies.to_mut()[mechanism] = body;
-            }
+            is_changed = true;
         }
-        Some(bodies)
+        let mut body = *body;
+        if is_changed {
+            body = body.with_factors(mass, &moments).ok()?;
+            body = body.with_force(force_m_s2).ok()?.with_drag(drag).ok()?;
+        }
+        let friction = self.arcs[arc].friction_parameter;
+        let support = body.support().zip(friction);
+        Some(match support {
+            Some((support, parameter)) => body.with_support(Some(Support {
+                friction: parameters[parameter],
+                ..support
+            })),
+            None => body,
+        })
     }
 
     /// How the tracker of a track that sees an arc is mounted, with free quantities taken from `parameters`.

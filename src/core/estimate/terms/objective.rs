@@ -83,15 +83,14 @@ impl<'a> Objective<'a> {
     fn add_general(&mut self, index: usize, view: &View, gravity_m_s2: &Vector3<f64>) {
         let (problem, layout) = (self.context.problem, self.context.layout);
         let arc = &problem.arcs[index];
-        let Some(bodies) = problem.bodies_at(&self.point.parameters) else {
+        let Some(body) = problem.body_at(index, &self.point.parameters) else {
             *self.cost = f64::INFINITY;
             return;
         };
-        let body = &bodies[arc.mechanism];
         let epoch_s = self.context.epochs_s[index];
         let of = (index, view);
         let mut observer =
-            SampleObserver::new(problem, of, (body, gravity_m_s2), epoch_s, self.point);
+            SampleObserver::new(problem, of, (&body, gravity_m_s2), epoch_s, self.point);
         let stride = self.guidance.stride(view);
         let samples = (0..view.samples.len()).skip(stride / 2).step_by(stride);
         let weight = view.samples.len() as f64 / samples.len().max(1) as f64;

@@ -26,8 +26,8 @@ use crate::estimate::problem::{Problem, Shows, View};
 use crate::estimate::unknowns::kept::KeptSpin;
 use crate::estimate::unknowns::point::Point;
 use crate::math::so3;
-use crate::physics::flow::{Fall, SpinByMoments};
-use crate::physics::state::{self, part};
+use crate::physics::flow::{Carried, Fall, SpinByMoments, Supported};
+use crate::physics::state::{self, StateTangent, part};
 use crate::physics::{Body, State};
 
 /// A residual in units: position [world], orientation [frame of the epoch].
@@ -55,6 +55,8 @@ pub(in crate::estimate) struct SampleObserver<'a> {
     mount: Mount,
     fall: Fall,
     turning: KeptSpin<'a>,
+    /// On a support, in place of fall and turning.
+    supported: Option<Supported>,
     /// Where a moment is free.
     moments: Option<SpinByMoments>,
     /// Derivatives of the mount's turn by the components of the tracker's rotation vector.
@@ -130,6 +132,7 @@ impl<'a> SampleObserver<'a> {
             epoch_s,
             fall: Fall::new(body, gravity_m_s2, state).with_drag_free(drag_is_free(acting)),
             turning: point.kept.spin(body, &state.angular_velocity_rad_s),
+            supported: Supported::new(body, gravity_m_s2, state),
             moments: acting
                 .iter()
                 .any(|acting| matches!(acting.influence, Influence::Moment(_)))
@@ -170,11 +173,18 @@ impl<'a> SampleObserver<'a> {
         node_times_s: &[f64],
     ) -> [Vector3<f64>; 2] {
         let s = self.time_s(sample, node_times_s) - self.epoch_s;
-        let turn = self.turning.spin.turn(s);
-        let orientation = self.state.orientation * turn;
+        let (place_m, orientation) = match &mut self.supported {
+            Some(supported) => {
+                let state = supported.at(s);
+                (state.position_m, state.orientation)
+            }
+            None => {
+                let turn = self.turning.spin.turn(s);
+                (self.fall.position(s), self.state.orientation * turn)
+            }
+        };
         let of = &self.view.samples[sample];
         let (centre_m, measured) = self.mount.seen(of);
-        let place_m = self.fall.position(s);
         let mut off = [Vector3::zeros(); 2];
         match self.view.shows {
             Shows::Pose => {
@@ -221,8 +231,16 @@ impl<'a> SampleObserver<'a> {
         let stamped_s = self.stamped_s(sample, node_times_s);
         let s = self.time_s(sample, node_times_s) - self.epoch_s;
         let (centre_m, measured) = self.mount.seen(of);
+        let carried = self.supported.as_mut().map(|of| of.carried(s));
         let fallen = self.fall.fallen(s);
-        let (turn, k) = self.turning.spin.turn_and_derivative(s);
+        let (turn, k) = match &carried {
+            Some(carried) => (
+                self.state.orientation.inverse() * carried.state.orientation,
+                Matrix3::zeros(),
+            ),
+            None => self.turning.spin.turn_and_derivative(s),
+        };
+        let position_m = carried.map_or(fallen.position_m, |of| of.state.position_m);
         let to_epoch = self.state.orientation.inverse() * measured;
         let whitening = self.view.whitenings.get(sample);
         let [sees_place, sees_turn] = self.view.kinds();
@@ -282,9 +300,9 @@ impl<'a> SampleObserver<'a> {
                     Shows::Point => of.position_m,
                     _ => of.position_m + of.orientation * self.mount.from_m,
                 };
-                fallen.position_m + following.from_epoch * lever_m - seen_m
+                position_m + following.from_epoch * lever_m - seen_m
             }
-            () if sees_place => fallen.position_m - centre_m,
+            () if sees_place => position_m - centre_m,
             () => zero,
         };
         let mut by_state = [[0.0; 6]; state::DIMENSION];
@@ -296,7 +314,21 @@ impl<'a> SampleObserver<'a> {
             by_state[part::VELOCITY + axis] = following.six(by_velocity, zero);
             by_state[part::ANGULAR_VELOCITY + axis] = following.six(zero, k.column(axis) * s);
         }
+        // Changes on a support as those of place and turn.
+        let seen = |by: &StateTangent| {
+            let shift_m = by.fixed_rows::<3>(part::POSITION).into_owned();
+            let turned: Vector3<f64> = by.fixed_rows::<3>(part::ORIENTATION).into();
+            following.six(shift_m, turn * turned)
+        };
+        if let Some(carried) = &carried {
+            for (at, by) in by_state.iter_mut().enumerate() {
+                *by = seen(&carried.by_state.column(at).into_owned());
+            }
+        }
+        let on_support =
+            |of: &dyn Fn(&Carried) -> StateTangent| carried.as_ref().map(|c| seen(&of(c)));
         let by_time = following.six(fallen.velocity_m_s, k * self.state.angular_velocity_rad_s);
+        let by_time = on_support(&|of| of.rate).unwrap_or(by_time);
         let zero_s = node_times_s.first().copied().unwrap_or(0.0);
         let mount_m = self.mount.to_m;
         let flown = self.state.orientation * turn;
@@ -316,9 +348,10 @@ impl<'a> SampleObserver<'a> {
                 following.in_units(if sees_place { shift } else { zero }, zero)
             };
             match acting.influence {
-                Influence::Pull(axis) => {
+                Influence::Pull(axis) => on_support(&|of| of.by_pull[axis]).unwrap_or_else(|| {
                     following.six(fallen.position_by_pull.column(axis).into_owned(), zero)
-                }
+                }),
+                Influence::SupportFriction => on_support(&|of| of.by_friction).unwrap_or([0.0; 6]),
                 Influence::LinearDrag => {
                     following.six(fallen.position_by_drag.column(0).into_owned(), zero)
                 }

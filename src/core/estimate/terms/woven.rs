@@ -149,6 +149,7 @@ const fn three_and_three([a, b]: [usize; 2]) -> [usize; 6] {
 /// Entries of a flight's state on which what samples show of a kind depends.
 fn shown(of: &WovenArc, kind: usize) -> &'static [usize] {
     match kind {
+        _ if of.is_carried => &WHOLE,
         0 if of.is_levered => &WHOLE,
         0 => &PLACE,
         _ => &TURN,
@@ -234,15 +235,15 @@ fn each(
 ) -> bool {
     let problem: &Problem = context.problem;
     let gravity_m_s2 = problem.gravity(&point.parameters);
-    let Some(bodies) = problem.bodies_at(&point.parameters) else {
-        return false;
-    };
     for (place, woven) in hand.arcs.iter().enumerate() {
         let arc = &problem.arcs[woven.arc];
-        let (body, epoch_s) = (&bodies[arc.mechanism], context.epochs_s[woven.arc]);
+        let Some(body) = problem.body_at(woven.arc, &point.parameters) else {
+            return false;
+        };
+        let epoch_s = context.epochs_s[woven.arc];
         let observers = arc.views.iter().map(|view| {
             let of = (woven.arc, view);
-            SampleObserver::new(problem, of, (body, &gravity_m_s2), epoch_s, point)
+            SampleObserver::new(problem, of, (&body, &gravity_m_s2), epoch_s, point)
                 .in_body_axes(&woven.acting)
         });
         let mut observers: Vec<SampleObserver> = observers.collect();

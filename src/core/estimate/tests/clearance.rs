@@ -34,8 +34,7 @@ fn clearance(
     let around_s = context.epochs_s[arc] + LATER_S;
     let gravity_m_s2 = problem.gravity(&point.parameters);
     let state_of = |arc: usize| {
-        let bodies = problem.bodies_at(&point.parameters).expect("bodies");
-        let body = bodies[problem.arcs[arc].mechanism];
+        let body = problem.body_at(arc, &point.parameters).expect("a body");
         let state = &point.arcs[arc];
         flow::advance(
             &body,

@@ -38,6 +38,7 @@ pub(super) fn events(scene: &Scene, sketch: &Sketch) -> Vec<TreeEvent> {
     let within = scene.events.iter().enumerate();
     let is_here = |kind: &EventKind| match kind {
         EventKind::Start | EventKind::End => false,
+        EventKind::Change(_) => false,
         EventKind::Waypoint(link) => scene.moves(scene.mechanism_of(*link)),
         EventKind::Collision(_) | EventKind::Collisions { .. } => true,
     };

@@ -113,6 +113,7 @@ fn arcs(
             state: snapshot.link_state(place),
             start_s: ends_s[0],
             end_s: ends_s[1],
+            support: None,
             certainty: None,
         }
     });

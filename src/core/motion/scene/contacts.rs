@@ -5,6 +5,7 @@ use thiserror::Error;
 use super::event::{Partner, Touching};
 use super::quantity::Quantity;
 use super::whole::Scene;
+use crate::motion::index::ContactLawIndex;
 use crate::physics::contact::{Contact, ContactError};
 use crate::physics::impact::{ContactSet, ContactSetError};
 
@@ -50,14 +51,21 @@ impl Scene {
                 Partner::World => self.surfaces[other].geometry,
                 Partner::Link(link) => self.links[link].features[other].geometry,
             };
-            contacts.push(Contact::new(feature, other)?);
+            // Only where a scene names it: of what is left open one feature is sought.
+            let is_named = collision.contacts == touchings && touchings.len() == 1;
+            match ContactSet::face_on_face(&feature, &other)? {
+                Some(flat) if is_named => contacts.extend(flat),
+                _ => contacts.push(Contact::new(feature, other)?),
+            }
         }
         let law = collision.law;
         let is_tilted = collision.tilt_rad != [0.0; 2]
             || (0..2).any(|tangent| self.frees(Quantity::Tilt { event, tangent }));
-        let has_friction =
-            self.contact_laws[law].friction > 0.0 || self.frees(Quantity::Friction { law });
-        let set = if has_friction {
+        let set = if self.has_friction(law) {
+            let count = contacts.len();
+            if count > 1 && collision.partner != Partner::World {
+                return Err(ContactSetError::FrictionAtSeveral { count }.into());
+            }
             ContactSet::with_friction(&contacts)?
         } else {
             ContactSet::frictionless(&contacts)?
@@ -66,5 +74,10 @@ impl Scene {
             set.check_tilt()?;
         }
         Ok(Some(set))
+    }
+
+    /// Whether friction is part of a law, or may become so.
+    pub fn has_friction(&self, law: ContactLawIndex) -> bool {
+        self.contact_laws[law].friction > 0.0 || self.frees(Quantity::Friction { law })
     }
 }

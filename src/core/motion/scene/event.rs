@@ -1,4 +1,4 @@
-//! What happens: starts, collisions, waypoints, ends.
+//! What happens: starts, collisions, changes of phase, waypoints, ends.
 
 use crate::motion::index::{ContactLawIndex, LinkIndex};
 
@@ -70,6 +70,8 @@ pub enum EventKind {
         /// Greatest number.
         most: usize,
     },
+    /// A phase of a body ends or begins without an impact: what slides begins to roll, or comes to rest.
+    Change(LinkIndex),
     /// A moment of a flight, which goes on unchanged: goals hold there. It costs one unknown, its time,
     /// which stays within the flight.
     ///
@@ -86,6 +88,7 @@ impl EventKind {
         match self {
             EventKind::Start => "start",
             EventKind::Collision(_) | EventKind::Collisions { .. } => "collision",
+            EventKind::Change(_) => "change",
             EventKind::Waypoint(_) => "waypoint",
             EventKind::End => "end",
         }
@@ -99,12 +102,21 @@ impl EventKind {
         }
     }
 
+    /// Whose phase changes there, if it is a change.
+    pub fn change(&self) -> Option<LinkIndex> {
+        match self {
+            EventKind::Change(link) => Some(*link),
+            _ => None,
+        }
+    }
+
     /// The collision, if it is one.
     pub fn collision(&self) -> Option<&Collision> {
         match self {
             EventKind::Collision(collision) => Some(collision),
             EventKind::Start
             | EventKind::Collisions { .. }
+            | EventKind::Change(_)
             | EventKind::Waypoint(_)
             | EventKind::End => None,
         }

@@ -91,7 +91,7 @@ impl Scene {
             EventKind::Collision(of) | EventKind::Collisions { each: of, .. } => {
                 of.links().collect()
             }
-            EventKind::Waypoint(link) => vec![*link],
+            EventKind::Change(link) | EventKind::Waypoint(link) => vec![*link],
             EventKind::Start | EventKind::End => Vec::new(),
         }
     }

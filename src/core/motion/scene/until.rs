@@ -20,10 +20,16 @@ impl Scene {
             .goals
             .retain(|goal| goal.events().all(|of| of < event));
         scene.rest_goals.clear();
+        scene.phases.retain(|phase| phase.events[0] < event);
+        for phase in &mut scene.phases {
+            phase.events[1] = phase.events[1].min(event);
+        }
         // Laws that no collision has any more are still what bodies are made of, but nothing tells them.
         let has = |law| {
             let collisions = scene.events.iter().filter_map(|of| of.kind.collision());
+            let mut phases = scene.phases.iter();
             collisions.into_iter().any(|collision| collision.law == law)
+                || phases.any(|phase| phase.law == law)
         };
         let is_told = |quantity: Quantity| match quantity {
             Quantity::Restitution { law } | Quantity::Friction { law } => has(law),

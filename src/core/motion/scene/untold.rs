@@ -8,6 +8,7 @@ use super::goal::GoalTarget;
 use super::quantity::Quantity;
 use super::whole::{Scene, Timing};
 use crate::motion::index::{ContactLawIndex, LinkIndex};
+use crate::physics::Sustained;
 use crate::physics::body::Symmetry;
 
 /// Why no performance of a scene can tell a quantity.
@@ -44,6 +45,9 @@ pub enum Untold {
     /// The tracker of a body in the hand that nothing hits.
     #[error("nothing hits this held body, so that nothing tells of its tracker")]
     HeldApart,
+    /// What phases hold fixed.
+    #[error("phases are on surfaces and of bodies as the scene gives them")]
+    InPhase,
     /// A surface without a collision.
     #[error("nothing touches this surface")]
     Untouched,
@@ -93,9 +97,13 @@ impl Scene {
         if let Some(why) = self.held_untold(quantity) {
             return Some(why);
         }
+        if self.is_in_phase(quantity) {
+            return Some(Untold::InPhase);
+        }
         match quantity {
-            Quantity::Restitution { law } | Quantity::Friction { law } => {
-                unless(self.uses(law), Untold::UnusedLaw)
+            Quantity::Restitution { law } => unless(self.uses(law), Untold::UnusedLaw),
+            Quantity::Friction { law } => {
+                unless(self.uses(law) || self.has_phase_of(law), Untold::UnusedLaw)
             }
             Quantity::Mass { link } => unless(self.met_by(link).len() > 1, Untold::MassCancels),
             Quantity::Moment { link, .. } => unless(
@@ -172,6 +180,33 @@ impl Scene {
                 (self.is_held(link) && !self.collides(link)).then_some(Untold::HeldApart)
             }
             _ => None,
+        }
+    }
+
+    /// Whether a phase has the law, and the law counts in it.
+    fn has_phase_of(&self, law: ContactLawIndex) -> bool {
+        let mut phases = self.phases.iter();
+        phases.any(|phase| phase.law == law && phase.sustained != Sustained::Rest)
+    }
+
+    /// Whether phases take the quantity for what the scene says.
+    fn is_in_phase(&self, quantity: Quantity) -> bool {
+        let mut phases = self.phases.iter();
+        match quantity {
+            Quantity::LinearDrag { link }
+            | Quantity::QuadraticDrag { link }
+            | Quantity::Mass { link }
+            | Quantity::Moment { link, .. }
+            | Quantity::Centre { link, .. } => phases.any(|phase| phase.link == link),
+            Quantity::SurfaceHeight { surface } | Quantity::SurfaceTilt { surface, .. } => {
+                phases.any(|phase| phase.surface == surface)
+            }
+            Quantity::Tilt { event, .. } => phases.any(|phase| phase.events[0] == event),
+            Quantity::Restitution { law } => phases.any(|phase| {
+                let begins = self.events[phase.events[0]].kind.collision();
+                begins.is_some_and(|collision| collision.law == law)
+            }),
+            _ => false,
         }
     }
 
@@ -262,7 +297,9 @@ impl Scene {
         self.events.iter().filter_map(|event| match &event.kind {
             EventKind::Collision(collision) => Some(collision),
             EventKind::Collisions { each, .. } => Some(each),
-            EventKind::Start | EventKind::Waypoint(_) | EventKind::End => None,
+            EventKind::Start | EventKind::Change(_) | EventKind::Waypoint(_) | EventKind::End => {
+                None
+            }
         })
     }
 

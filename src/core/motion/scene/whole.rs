@@ -8,6 +8,7 @@ use super::event::{Collision, Event, EventKind};
 use super::goal::{Goal, GoalTarget};
 use super::link::{FreeBody, Link, Mechanism, Sees, Track};
 use super::parameter::{Cone, FreeParameter};
+use super::phase::SupportPhase;
 use super::rest::RestGoal;
 use super::weights::{Performer, Weighing, Weights};
 use super::world::{Against, Obstacle, Surface};
@@ -44,6 +45,8 @@ pub struct Scene {
     pub contact_laws: TiVec<ContactLawIndex, ContactLaw>,
     /// What happens, in order of time.
     pub events: Vec<Event>,
+    /// Phases in which bodies stay on surfaces.
+    pub phases: Vec<SupportPhase>,
     /// Goals: hard conditions at events (paper §3.1).
     pub goals: Vec<Goal>,
     /// Goals at rest: what must hold once the motion has gone on until it rests.
@@ -247,11 +250,13 @@ impl Scene {
     }
 
     /// Whether the event begins or ends a flight of the mechanism: its own collisions do, and the
-    /// performance's start and end. A waypoint is within one.
+    /// performance's start and end, and changes of its phase. A waypoint is within one.
     pub fn concerns(&self, event: usize, mechanism: MechanismIndex) -> bool {
         let kind = &self.events[event].kind;
         let collision = kind.collision();
+        let is_of_it = |link: LinkIndex| self.mechanism_of(link) == mechanism;
         kind.waypoint().is_none()
+            && kind.change().is_none_or(is_of_it)
             && collision.is_none_or(|collision| self.takes_part(mechanism, collision))
     }
 
@@ -273,7 +278,10 @@ impl Scene {
         let of = &self.events[event];
         let has_goal = || self.goals.iter().any(|goal| goal.event == event);
         of.time.is_free.unwrap_or_else(|| match of.kind {
-            EventKind::Collision(_) | EventKind::Collisions { .. } | EventKind::Waypoint(_) => true,
+            EventKind::Collision(_)
+            | EventKind::Collisions { .. }
+            | EventKind::Change(_)
+            | EventKind::Waypoint(_) => true,
             EventKind::Start => false,
             EventKind::End => matches!(self.timing, Timing::Unknown { .. }) && has_goal(),
         })

@@ -1,18 +1,22 @@
-//! Free flight of a whole state: centre of mass and rotation together.
+//! The motion of a whole state, centre of mass and rotation together: free flight, or on what supports the body.
 
 use nalgebra::Vector3;
 
 use super::asymmetric;
 use super::axial::Turning;
 use super::fall::{self, Fall};
+use super::supported::Supported;
 use crate::physics::body::{Body, Symmetry};
 use crate::physics::state::{State, StateTangent, part};
 
-/// State after `duration_s` of free flight (negative: before).
+/// State after `duration_s` of free flight, or on its support (negative: before).
 ///
 /// Orientation and angular velocity are NaN where a body with three different moments would turn by
 /// more than [`super::ANGLE_MAX_RAD`]; position and velocity where [`Fall`] gives NaN.
 pub fn advance(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State, duration_s: f64) -> State {
+    if let Some(mut supported) = Supported::new(body, gravity_m_s2, state) {
+        return supported.at(duration_s);
+    }
     let omega = &state.angular_velocity_rad_s;
     let (rotation, angular_velocity_rad_s) = match body.symmetry() {
         Symmetry::Asymmetric => asymmetric::advance(body, omega, duration_s),
@@ -44,6 +48,9 @@ pub fn position(
             duration_s,
         );
     }
+    if body.support().is_some() {
+        return advance(body, gravity_m_s2, state, duration_s).position_m;
+    }
     Fall::new(body, gravity_m_s2, state).position(duration_s)
 }
 
@@ -57,6 +64,9 @@ pub fn velocity(
     if body.is_ballistic() {
         return state.velocity_m_s + body.pull_m_s2(gravity_m_s2) * duration_s;
     }
+    if body.support().is_some() {
+        return advance(body, gravity_m_s2, state, duration_s).velocity_m_s;
+    }
     Fall::new(body, gravity_m_s2, state)
         .position_and_velocity(duration_s)
         .1
@@ -64,7 +74,12 @@ pub fn velocity(
 
 /// Time derivative of the state in free flight, in its own tangent space:
 /// `(v, ω, g + f − k v − c|v| v, I⁻¹((I ω) × ω))`.
+///
+/// On a support: the rate there.
 pub fn rate(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State) -> StateTangent {
+    if let Some(mut supported) = Supported::new(body, gravity_m_s2, state) {
+        return supported.carried(0.0).rate;
+    }
     let omega = &state.angular_velocity_rad_s;
     let [a, b, c] = asymmetric::couplings(body);
     let euler = Vector3::new(

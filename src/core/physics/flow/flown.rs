@@ -9,21 +9,32 @@
 //! 0  0  0 S
 //! ```
 
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 use super::fall::{Fall, Fallen};
+use super::supported::{Carried, Supported};
 use super::turn::turn;
 use super::turned::Turn;
 use super::{TurnByMoments, turn_by_moments};
 use crate::physics::body::Body;
-use crate::physics::state::{State, StateTangent, part};
+use crate::physics::state::{ByStates, State, StateTangent, part};
 
-/// Derivatives of a state by a state.
-pub type ByStates = SMatrix<f64, 12, 12>;
-
-/// A state after a flight, with derivatives by the state at its start and by what acts on the flight.
+/// A state after a flight or on a support, with derivatives by the state at its start and by what acts on the way.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "few live at a time, on the stack"
+)]
 #[derive(Clone, Copy, Debug)]
-pub struct Flown {
+pub enum Flown {
+    /// After a flight.
+    Free(FreeFlown),
+    /// On a support.
+    Carried(Carried),
+}
+
+/// The same after a flight.
+#[derive(Clone, Copy, Debug)]
+pub struct FreeFlown {
     /// The centre of mass.
     pub fallen: Fallen,
     /// The rotation.
@@ -34,8 +45,76 @@ pub struct Flown {
 
 impl Flown {
     /// After `duration_s` from a state (negative: before it). Derivatives by drag and by moments are zero where they are
-    /// not wanted.
+    /// not wanted, and on a support.
     pub fn new(
+        body: &Body,
+        gravity_m_s2: &Vector3<f64>,
+        state: &State,
+        duration_s: f64,
+        is_wanted: WantedDerivatives,
+    ) -> Self {
+        match Supported::new(body, gravity_m_s2, state) {
+            Some(mut supported) => Self::Carried(supported.carried(duration_s)),
+            None => {
+                let free = FreeFlown::new(body, gravity_m_s2, state, duration_s, is_wanted);
+                Self::Free(free)
+            }
+        }
+    }
+
+    /// The state.
+    pub fn state(&self) -> State {
+        match self {
+            Self::Free(free) => free.state(),
+            Self::Carried(carried) => carried.state,
+        }
+    }
+
+    /// Derivatives by the state at the start.
+    pub fn by_state(&self) -> ByStates {
+        match self {
+            Self::Free(free) => free.by_state(),
+            Self::Carried(carried) => carried.by_state,
+        }
+    }
+
+    /// Derivative by a component of the pull, gravity's or a force's per mass \[s²/m\].
+    pub fn by_pull(&self, axis: usize) -> StateTangent {
+        match self {
+            Self::Free(free) => free.by_pull(axis),
+            Self::Carried(carried) => carried.by_pull[axis],
+        }
+    }
+
+    /// Derivative by the linear drag (0) or the quadratic one (1).
+    pub fn by_drag(&self, order: usize) -> StateTangent {
+        match self {
+            Self::Free(free) => free.by_drag(order),
+            Self::Carried(_) => StateTangent::zeros(),
+        }
+    }
+
+    /// Derivative by the logarithm of a principal moment.
+    pub fn by_log_moment(&self, axis: usize) -> StateTangent {
+        match self {
+            Self::Free(free) => free.by_log_moment(axis),
+            Self::Carried(_) => StateTangent::zeros(),
+        }
+    }
+
+    /// Derivative by the friction of what supports it.
+    pub fn by_friction(&self) -> StateTangent {
+        match self {
+            Self::Free(_) => StateTangent::zeros(),
+            Self::Carried(carried) => carried.by_friction,
+        }
+    }
+}
+
+impl FreeFlown {
+    /// After `duration_s` from a state (negative: before it). Derivatives by drag and by moments are zero where they are
+    /// not wanted.
+    fn new(
         body: &Body,
         gravity_m_s2: &Vector3<f64>,
         state: &State,
@@ -54,7 +133,7 @@ impl Flown {
     }
 
     /// The state.
-    pub fn state(&self) -> State {
+    fn state(&self) -> State {
         State {
             position_m: self.fallen.position_m,
             orientation: self.turn.orientation,
@@ -64,7 +143,7 @@ impl Flown {
     }
 
     /// Derivatives by the state at the start.
-    pub fn by_state(&self) -> ByStates {
+    fn by_state(&self) -> ByStates {
         let (fallen, turn) = (&self.fallen, &self.turn);
         let mut by = ByStates::identity();
         let mut set = |row: usize, column: usize, block: &Matrix3<f64>| {
@@ -85,7 +164,7 @@ impl Flown {
     }
 
     /// Derivative by a component of the pull, gravity's or a force's per mass \[s²/m\].
-    pub fn by_pull(&self, axis: usize) -> StateTangent {
+    fn by_pull(&self, axis: usize) -> StateTangent {
         let fallen = &self.fallen;
         let mut by = StateTangent::zeros();
         by.fixed_rows_mut::<3>(part::POSITION)
@@ -96,7 +175,7 @@ impl Flown {
     }
 
     /// Derivative by the linear drag (0) or the quadratic one (1).
-    pub fn by_drag(&self, order: usize) -> StateTangent {
+    fn by_drag(&self, order: usize) -> StateTangent {
         let fallen = &self.fallen;
         let mut by = StateTangent::zeros();
         by.fixed_rows_mut::<3>(part::POSITION)
@@ -107,7 +186,7 @@ impl Flown {
     }
 
     /// Derivative by the logarithm of a principal moment.
-    pub fn by_log_moment(&self, axis: usize) -> StateTangent {
+    fn by_log_moment(&self, axis: usize) -> StateTangent {
         let mut by = StateTangent::zeros();
         if let Some(of) = &self.by_moments {
             by.fixed_rows_mut::<3>(part::ORIENTATION)

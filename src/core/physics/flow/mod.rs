@@ -13,6 +13,8 @@
 //! - three different: Taylor series of Euler's equations, step by step (`asymmetric`, whose
 //!   series are in `series`).
 //!
+//! What is supported by a plane slides, rolls or rests on it (`supported`).
+//!
 //! Both rotations are exact to rounding for durations of either sign, and agree where moments become equal.
 //! Derivatives are by right perturbations. Those of any rotation by the moments are series too
 //! ([`SpinByMoments`]).
@@ -27,6 +29,7 @@ mod glide;
 #[path = "../../../../tools/src/reference.rs"]
 mod reference;
 mod series;
+mod supported;
 #[cfg(test)]
 mod tests;
 mod turn;
@@ -37,6 +40,7 @@ pub use asymmetric::{ANGLE_MAX_RAD, Steps};
 pub(super) use axial::Precession;
 pub use fall::{Fall, Fallen};
 pub use flight::{advance, position, rate, velocity};
-pub use flown::{ByStates, Flown, WantedDerivatives};
+pub use flown::{Flown, FreeFlown, WantedDerivatives};
+pub use supported::{Carried, LEAST_TURNING_M_S, Supported};
 pub use turn::{Spin, Turns, turn};
 pub use turned::Turn;

@@ -2,7 +2,10 @@
 
 use super::error::ContactSetError;
 use super::law::MOST_CONTACTS;
-use crate::physics::contact::Contact;
+use crate::physics::contact::{Contact, ContactError, Feature};
+
+/// How far from its own point a face is held to another \[m\].
+const FACE_M: f64 = 0.05;
 
 /// One to three contacts at which a body A meets a body B or the static world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,10 +31,20 @@ impl ContactSet {
         })
     }
 
-    /// One contact with friction, whose coefficient may be zero. Several contacts are refused.
+    /// Contacts with friction, whose coefficient may be zero: one, or three of points of A with one face, on which A
+    /// lands flat. Others are refused.
     pub fn with_friction(contacts: &[Contact]) -> Result<Self, ContactSetError> {
         let contacts = Self::frictionless(contacts)?;
-        if contacts.count > 1 {
+        let [first, others @ ..] = contacts.as_slice() else {
+            unreachable!("at least one contact")
+        };
+        let is_flat = contacts.as_slice().iter().all(|contact| {
+            matches!(contact.a(), Feature::Point { .. })
+                && matches!(contact.b(), Feature::Face { .. })
+                && contact.b() == first.b()
+        });
+        let is_one = others.is_empty();
+        if !(is_one || is_flat && contacts.count == MOST_CONTACTS) {
             return Err(ContactSetError::FrictionAtSeveral {
                 count: contacts.count,
             });
@@ -45,6 +58,25 @@ impl ContactSet {
     /// Its contacts.
     pub fn as_slice(&self) -> &[Contact] {
         &self.contacts[..self.count]
+    }
+
+    /// A face of A on a face of B, at three points of it about its own.
+    pub fn face_on_face(
+        a: &Feature,
+        b: &Feature,
+    ) -> Result<Option<[Contact; MOST_CONTACTS]>, ContactError> {
+        let (Feature::Face { point_m, normal }, Feature::Face { .. }) = (*a, *b) else {
+            return Ok(None);
+        };
+        let [first, second] = Feature::tangents(&normal).map(|tangent| tangent * FACE_M);
+        let points = [first, second - first, -first - second];
+        let [x, y, z] = points.map(|off_m| Contact::new(Feature::corner(point_m + off_m), *b));
+        Ok(Some([x?, y?, z?]))
+    }
+
+    /// Whether a face lands flat and friction acts on it as a whole.
+    pub fn is_landing(&self) -> bool {
+        self.has_friction && self.count == MOST_CONTACTS
     }
 
     /// Whether friction is part of it.

@@ -81,8 +81,22 @@ impl ImpactSolution<'_> {
                 normals[contact] = state.normal_change(&by);
                 poses[contact] = Some(by);
             }
+            if let Some(landing) = self.landing() {
+                derivative.after[0][0] = landing.by_state();
+                continue;
+            }
             self.after_by_pose(body, &normals, &poses, derivative);
             self.after_by_velocities(body, derivative);
+        }
+        if let Some(landing) = self.landing() {
+            derivative.after_by_restitution[0] = landing.by_restitution();
+            derivative.after_by_friction[0] = landing.by_friction();
+            let by_tilt = self.states().next().and_then(|first| first.normal_by_tilt);
+            if let Some(by_tilt) = by_tilt {
+                derivative.after_by_tilt[0] =
+                    landing.by_normal() * Change::<2>::from_columns(&by_tilt);
+            }
+            return Ok(());
         }
         let by_law = self
             .rows

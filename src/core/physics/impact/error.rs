@@ -15,7 +15,7 @@ pub enum ContactSetError {
     },
     /// Friction at more than one contact.
     #[error(
-        "friction at {count} contacts at once is not supported: leave it out, or use one contact"
+        "friction at {count} contacts at once is not supported: leave it out, use one contact, or a face that lands flat on one of the world's"
     )]
     FrictionAtSeveral {
         /// How many contacts.

@@ -1,12 +1,13 @@
 //! Impacts, `Impact` in the paper's eq. 3 and 8: velocities of one or two bodies after a collision
 //! from their states before it, with exact derivatives. Bodies meet the static world or each other,
-//! at one contact with Coulomb friction or at up to three simultaneous ones without
+//! at one contact with Coulomb friction, at up to three simultaneous ones without, or flat on a face with friction
 //! ([`ContactSet`]).
 //!
 //! Derivatives by the states and by the law are in [`ImpactDerivative`], those by masses, moments and
 //! the places of features in [`ImpactByModel`].
 //!
-//! The law at one contact is the algebraic one of Chatterjee and Ruina ([`Law`]).
+//! The law at one contact is the algebraic one of Chatterjee and Ruina ([`Law`]); that of a flat landing is in
+//! `landing`.
 
 mod bounce;
 mod contact_set;
@@ -15,6 +16,7 @@ mod coulomb;
 mod derivative;
 mod error;
 mod inertia;
+mod landing;
 mod law;
 mod model;
 mod newton;

@@ -73,8 +73,14 @@ impl ImpactSolution<'_> {
             rates.push(touch.1);
         }
         let mut by_model = ImpactByModel::zeros();
+        if let Some(landing) = self.landing() {
+            by_model.after_by_mass[0][0] = landing.by_mass();
+            by_model.after_by_moments[0][0] = landing.by_moments();
+        }
         for body in 0..self.rows.bodies {
-            self.by_inertia(body, &mut by_model);
+            if self.landing().is_none() {
+                self.by_inertia(body, &mut by_model);
+            }
             self.by_shift(body, &rates, &mut by_model);
         }
         if self.rows.bodies == 1 {
@@ -131,7 +137,12 @@ impl ImpactSolution<'_> {
             normals[contact] = state.normal_change(&by);
             poses[contact] = Some(by);
         }
-        let [after, _] = self.after_change(&normals, &poses);
+        let after = match self.landing() {
+            // All contacts are on one face, whose motion the first stands for.
+            Some(landing) if moved == 0 => landing.by_normal() * normals[0],
+            Some(_) => SMatrix::zeros(),
+            None => self.after_change(&normals, &poses)[0],
+        };
         by_model.after_by_place[moved] = after * pose;
     }
 }

@@ -52,6 +52,11 @@ impl ImpactRows {
         }
     }
 
+    /// The inertia of A.
+    pub(super) fn of_a(&self) -> &InverseInertia {
+        &self.inertia[0]
+    }
+
     /// Sets a row; `levers` are those of both bodies, B's not negated.
     pub(super) fn set(&mut self, row: usize, direction: Vector3<f64>, levers: [Vector3<f64>; 2]) {
         self.directions[row] = direction;

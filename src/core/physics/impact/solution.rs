@@ -6,6 +6,7 @@ use super::contact_set::ContactSet;
 use super::contact_state::{ContactState, PoseChange};
 use super::coulomb::{Coulomb, CoulombChange};
 use super::error::ImpactError;
+use super::landing::{self, Landing};
 use super::law::{Impact, Law, MOST_CONTACTS, Side, Velocities};
 use super::newton::Newton;
 use super::rows::{Change, ImpactRows, RowsChange};
@@ -22,6 +23,8 @@ enum SolvedContact {
     Coulomb(Coulomb),
     /// Rows are the contacts' normals.
     Newton(Newton),
+    /// Rows are the contacts' normals, along which no impulses are told: velocities are given as a whole.
+    Landing(Landing),
 }
 
 /// An impact solved for its impulses.
@@ -62,7 +65,7 @@ impl<'a> ImpactSolution<'a> {
                 }
             })?;
             let state = ContactState::new(contact, touch, rotations, law);
-            if contacts.has_friction() {
+            if contacts.has_friction() && !contacts.is_landing() {
                 for axis in 0..3 {
                     let direction = Vector3::ith(axis, 1.0);
                     rows.set(axis, direction, state.levers(&direction));
@@ -75,6 +78,9 @@ impl<'a> ImpactSolution<'a> {
         }
         let (speeds, delassus) = (rows.speeds(&before), rows.delassus());
         let solved = match &states[0] {
+            Some(first) if contacts.is_landing() => {
+                SolvedContact::Landing(Landing::new(a, &first.normal, law))
+            }
             Some(only) if contacts.has_friction() => {
                 SolvedContact::Coulomb(Coulomb::new(law, &only.normal, &speeds, &delassus)?)
             }
@@ -86,6 +92,7 @@ impl<'a> ImpactSolution<'a> {
         let impulses = match &solved {
             SolvedContact::Coulomb(law) => law.impulse(),
             SolvedContact::Newton(law) => law.impulses(),
+            SolvedContact::Landing(_) => Vector3::zeros(),
         };
         Ok(Self {
             states,
@@ -104,17 +111,29 @@ impl<'a> ImpactSolution<'a> {
     pub(super) fn impact(&self) -> Impact {
         let mut impact = Impact {
             after: self.before,
-            sticks: matches!(&self.solved, SolvedContact::Coulomb(law) if law.sticks()),
+            sticks: match &self.solved {
+                SolvedContact::Coulomb(law) => law.sticks(),
+                SolvedContact::Landing(landing) => landing.sticks,
+                SolvedContact::Newton(_) => false,
+            },
             ..Impact::default()
+        };
+        let pressing = match &self.solved {
+            SolvedContact::Landing(landing) => {
+                impact.after[0] = landing.velocities();
+                self.pressing(&impact.after[0])
+            }
+            _ => self.impulses,
         };
         for (contact, state) in self.states().enumerate() {
             impact.gaps_m[contact] = state.touch.gap_m;
             impact.speeds_m_s[contact] = state.speed(&self.before);
             impact.normal_impulses_n_s[contact] = match &self.solved {
                 SolvedContact::Coulomb(_) => state.normal.dot(&self.impulses),
-                SolvedContact::Newton(_) => self.impulses[contact],
+                SolvedContact::Newton(_) | SolvedContact::Landing(_) => pressing[contact],
             };
         }
+        // Of a flat landing they are zero.
         let velocity_changes = self.rows.velocity_changes(&self.impulses);
         for body in 0..self.rows.bodies {
             impact.after[body].velocity_m_s += velocity_changes[body].velocity_m_s;
@@ -122,6 +141,30 @@ impl<'a> ImpactSolution<'a> {
                 velocity_changes[body].angular_velocity_rad_s;
         }
         impact
+    }
+
+    /// The velocities after a flat landing; `None` of what is told by impulses along rows.
+    pub(super) fn landing(&self) -> Option<&Landing> {
+        match &self.solved {
+            SolvedContact::Landing(landing) => Some(landing),
+            _ => None,
+        }
+    }
+
+    /// Impulses along the normals of a flat landing's contacts [N s].
+    fn pressing(&self, after: &Velocities) -> Vector3<f64> {
+        let mut states = self.states();
+        let points_m = [(); MOST_CONTACTS].map(|()| {
+            let state = states.next().expect("three contacts");
+            self.frames[0].orientation * state.touch.on_a_m
+        });
+        let normal = self.states().next().expect("three contacts").normal;
+        let [before, _] = &self.before;
+        let inertia = self.rows.of_a();
+        let momentum = (after.velocity_m_s - before.velocity_m_s) / inertia.mass_per_kg;
+        let spun = after.angular_velocity_rad_s - before.angular_velocity_rad_s;
+        let turned = self.frames[0].orientation * spun.component_div(&inertia.moments_per_kg_m2);
+        landing::pressing(&points_m, &normal, &momentum, &turned)
     }
 
     /// Changes of the impulses with the poses; `normals` are the changes of the tilted normals.
@@ -142,6 +185,7 @@ impl<'a> ImpactSolution<'a> {
             SolvedContact::Newton(law) => {
                 law.change(&velocity, &self.rows.delassus_change(&self.impulses, by))
             }
+            SolvedContact::Landing(_) => Change::zeros(),
         }
     }
 
@@ -155,6 +199,7 @@ impl<'a> ImpactSolution<'a> {
         match &self.solved {
             SolvedContact::Coulomb(law) => law.by_velocity(speeds),
             SolvedContact::Newton(law) => law.by_speeds(&speeds),
+            SolvedContact::Landing(_) => Change::zeros(),
         }
     }
 
@@ -172,6 +217,7 @@ impl<'a> ImpactSolution<'a> {
                 delassus_rigid: Change::zeros(),
             }),
             SolvedContact::Newton(law) => law.change(&Change::zeros(), &delassus(&self.impulses)),
+            SolvedContact::Landing(_) => Change::zeros(),
         }
     }
 
@@ -184,6 +230,7 @@ impl<'a> ImpactSolution<'a> {
             SolvedContact::Newton(law) => {
                 Change::from_columns(&[law.by_restitution(), Vector3::zeros()])
             }
+            SolvedContact::Landing(_) => Change::zeros(),
         }
     }
 

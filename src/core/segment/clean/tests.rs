@@ -48,6 +48,7 @@ fn scene() -> Scene {
             obstacle: None,
         }],
         obstacles: vec![],
+        phases: Vec::new(),
         contact_laws: TiVec::from(vec![ContactLaw::frictionless("bounce", 0.5)]),
         events: vec![
             event("release", EventKind::Start),

@@ -29,6 +29,7 @@ fn scene(bounces: usize, timing: Timing) -> Scene {
             obstacle: None,
         }],
         obstacles: Vec::new(),
+        phases: Vec::new(),
         contact_laws: TiVec::from(vec![ContactLaw::frictionless("table", 1.0)]),
         events: (0..bounces)
             .map(|k| {

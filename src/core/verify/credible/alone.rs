@@ -96,11 +96,15 @@ pub(super) fn fitted(
     estimate: &Estimate,
     flight: &CredibleFlight,
 ) -> Option<AloneFit> {
-    let body = scene.body_of(flight.arc.mechanism);
+    // What a surface carries does not fall.
+    let body = scene.body_on(flight.arc);
+    if body.support().is_some() {
+        return None;
+    }
     if body.is_ballistic() {
         ballistic(flight, &body.pull_m_s2(&estimate.gravity_m_s2))
     } else {
-        dragged(flight, body, &estimate.gravity_m_s2)
+        dragged(flight, &body, &estimate.gravity_m_s2)
     }
 }
 
@@ -218,6 +222,7 @@ mod tests {
             state,
             start_s: 0.0,
             end_s: 0.8,
+            support: None,
             certainty: None,
         };
         let residual = SegmentResidual {

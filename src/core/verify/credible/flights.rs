@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::motion::{
     ArcEstimate, Estimate, Place, SampleTime, Scene, Seen, SegmentResidual, Sketch,
 };
-use crate::physics::flow::{Fall, Spin};
+use crate::physics::flow::{Fall, Spin, Supported};
 
 /// A sample of a flight.
 #[derive(Clone, Copy, Debug)]
@@ -51,7 +51,8 @@ pub(super) fn flights<'a>(
         .map(|residual| {
             let arc = &estimate.arcs[residual.arc];
             let point_m = scene.tracks[residual.track].point_m();
-            let body = scene.body_of(arc.mechanism);
+            let body = &scene.body_on(arc);
+            let mut supported = Supported::new(body, &estimate.gravity_m_s2, &arc.state);
             let mut fall = Fall::new(body, &estimate.gravity_m_s2, &arc.state);
             let mut spin = Spin::new(body, &arc.state.angular_velocity_rad_s);
             let (times, after) = rest.split_at(residual.samples.min(rest.len()));
@@ -63,14 +64,20 @@ pub(super) fn flights<'a>(
                 let since_s = time.time_s - arc.epoch_s;
                 // A point is seen where the centre of mass would be with the estimated turn.
                 let lever_m = match sample.seen {
-                    Seen::Point(_) => arc.state.orientation * (spin.turn(since_s) * point_m),
+                    Seen::Point(_) => match &mut supported {
+                        Some(supported) => supported.at(since_s).orientation * point_m,
+                        None => arc.state.orientation * (spin.turn(since_s) * point_m),
+                    },
                     _ => Vector3::zeros(),
                 };
                 Some(FlightSample {
                     acted_s: sample.acted_s,
                     time_s: time.time_s,
                     position_m: sample.seen.position_m()? - lever_m,
-                    estimated_m: fall.position(since_s),
+                    estimated_m: match &mut supported {
+                        Some(supported) => supported.at(since_s).position_m,
+                        None => fall.position(since_s),
+                    },
                 })
             });
             CredibleFlight {

@@ -27,11 +27,26 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[CredibleFlig
         let arc = flight.arc;
         let link = scene.free_link(arc.mechanism);
         let link = &scene.links[link];
-        let spin_rad_s = spin_bound_rad_s(&link.body, &arc.state.angular_velocity_rad_s);
+        let spin_rad_s = match arc.support {
+            Some(_) => [arc.start_s, arc.end_s]
+                .map(|time_s| {
+                    let then = scene.flown(arc, &estimate.gravity_m_s2, time_s);
+                    then.angular_velocity_rad_s.norm()
+                })
+                .into_iter()
+                .fold(0.0, f64::max),
+            None => spin_bound_rad_s(&link.body, &arc.state.angular_velocity_rad_s),
+        };
         // |v| is largest at an end, with drag as without.
         let speed_at = |time_s: f64| {
             let since_s = time_s - arc.epoch_s;
-            flow::velocity(&link.body, &estimate.gravity_m_s2, &arc.state, since_s).norm()
+            flow::velocity(
+                &scene.body_on(arc),
+                &estimate.gravity_m_s2,
+                &arc.state,
+                since_s,
+            )
+            .norm()
         };
         let radius_m = link.radius_m();
         let speed_m_s = speed_at(arc.start_s).max(speed_at(arc.end_s)) + spin_rad_s * radius_m;

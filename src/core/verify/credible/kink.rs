@@ -99,6 +99,7 @@ mod tests {
             },
             start_s,
             end_s: start_s + 0.045,
+            support: None,
             certainty: None,
         };
         let residual = SegmentResidual {

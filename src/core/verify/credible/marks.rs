@@ -17,7 +17,7 @@ pub fn from_mark_s(scene: &Scene, sketch: &Sketch, event: usize) -> [f64; 2] {
         Timing::Unknown { .. } => UNKNOWN_S,
     };
     match (&scene.events[event].kind, sketch.marks[event]) {
-        (EventKind::Waypoint(_), Some(mark)) => [DEVIATIONS * mark.sd_s; 2],
+        (EventKind::Change(_) | EventKind::Waypoint(_), Some(mark)) => [DEVIATIONS * mark.sd_s; 2],
         _ => {
             let stated_s = scene.mark_sd_s.map_or(0.0, |sd_s| DEVIATIONS * sd_s);
             beyond_s.map(|least_s| least_s.max(stated_s))

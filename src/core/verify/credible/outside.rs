@@ -49,6 +49,7 @@ mod tests {
             },
             start_s: 0.2,
             end_s: 0.8,
+            support: None,
             certainty: None,
         };
         let residual = SegmentResidual {

@@ -230,3 +230,34 @@ fn several_contacts_of_different_kinds() {
     }
     panic!("only {checked} cases in {DRAWS} draws");
 }
+
+#[test]
+fn a_face_that_lands_flat_with_friction() {
+    let mut draw = Draw::new(26);
+    let contacts = ContactSet::with_friction(&corners(3)).expect("a face");
+    let (mut stuck, mut slid, mut receded) = (0, 0, 0);
+    for index in 0..60 {
+        let movers = vec![(draw.body(), draw.state())];
+        let law = Law {
+            restitution: draw.between(0.0, 1.0),
+            friction: draw.between(0.05, 1.5),
+            tilt_rad: match index % 3 {
+                0 => [draw.between(-0.1, 0.1), draw.between(-0.1, 0.1)],
+                _ => [0.0; 2],
+            },
+        };
+        if !check(&contacts, &movers, &law, &format!("case {index}")) {
+            continue;
+        }
+        let impact = contacts.impact(&side(&movers[0]), None, &law);
+        let impact = impact.expect("regular");
+        let recedes = movers[0].1.velocity_m_s.z > 0.0;
+        stuck += usize::from(impact.sticks);
+        receded += usize::from(recedes);
+        slid += usize::from(!impact.sticks && !recedes);
+    }
+    assert!(
+        stuck > 3 && slid > 3 && receded > 3,
+        "{stuck} {slid} {receded}"
+    );
+}

@@ -1,0 +1,148 @@
+//! An event at which a motion on a support ends or begins without an impact: the body goes on from the state in
+//! which it arrives, and where friction ends the slip, that is zero:
+//!
+//! ```text
+//! q⁺ ⊟ q⁻ = 0,   ρ⁻ = 0
+//! ```
+
+use nalgebra::Vector3;
+
+use super::kind::{At, Constraint, Filled};
+use super::rows::STATE;
+use crate::estimate::problem::influence::Influence;
+use crate::estimate::problem::{ArcChange, Problem, unit};
+use crate::estimate::reach::arrival::{ByStates, GeneralArrival};
+use crate::estimate::unknowns::layout::Layout;
+use crate::math::so3;
+use crate::motion::Gap;
+use crate::optimise::block::{Block, BlockPattern};
+use crate::physics::state::{StateTangent, part};
+
+/// One unit of each part of a state.
+const UNITS: [f64; 4] = [
+    unit::POSITION_M,
+    unit::ORIENTATION_RAD,
+    unit::VELOCITY_M_S,
+    unit::ANGULAR_VELOCITY_RAD_S,
+];
+
+impl Constraint for ArcChange {
+    /// The state before, the event's time, the state after, acting parameters.
+    fn patterns(&self, _: &Problem, layout: &Layout) -> [BlockPattern; 2] {
+        let acting = self.acting.iter();
+        let acting = acting.map(|acting| layout.parameters[acting.parameter]);
+        let columns = layout.state(self.sides.before);
+        let columns = columns.chain(layout.events[self.event]);
+        let columns = columns.chain(layout.state(self.sides.after)).chain(acting);
+        let mut pattern = BlockPattern::default();
+        pattern.push(self.rows(), columns.collect::<Vec<_>>());
+        [pattern, BlockPattern::default()]
+    }
+
+    fn fill(&self, at: &mut At, [(pattern, block), _]: [Filled; 2]) {
+        block.reset(pattern);
+        if self.fill_rows(at, (pattern, &mut *block)).is_none() {
+            block.spoil();
+        }
+    }
+
+    fn event(&self) -> Option<usize> {
+        Some(self.event)
+    }
+
+    fn gap(&self, _: &Problem, [block, _]: [&Block; 2]) -> Gap {
+        let of = |part: usize| block.largest(part..part + 3) * UNITS[part / 3];
+        let slip_m_s = block.largest(STATE..self.rows()) * unit::VELOCITY_M_S;
+        Gap {
+            position_m: of(part::POSITION),
+            orientation_rad: of(part::ORIENTATION),
+            velocity_m_s: of(part::VELOCITY).max(slip_m_s),
+            angular_velocity_rad_s: of(part::ANGULAR_VELOCITY),
+        }
+    }
+
+    fn places(&self, _: &Block) -> Vec<std::ops::Range<usize>> {
+        std::iter::once(0..part::VELOCITY).collect()
+    }
+
+    fn is_curved(&self) -> bool {
+        true
+    }
+}
+
+impl ArcChange {
+    fn rows(&self) -> usize {
+        STATE + usize::from(self.slip_ends)
+    }
+
+    /// `None` where no body has such moments.
+    fn fill_rows(&self, at: &mut At, rows: Filled) -> Option<()> {
+        let (pattern, block) = rows;
+        let (problem, parameters) = (at.problem, &at.point.parameters);
+        let time_s = at.point.event_times_s[self.event];
+        let reach =
+            |arc: usize| GeneralArrival::new(problem, at.point, arc, at.epochs_s[arc], time_s);
+        let (before, after) = (reach(self.sides.before)?, reach(self.sides.after)?);
+        let gap = after.end.state.minus(&before.end.state);
+        let turn: Vector3<f64> = gap.fixed_rows::<3>(part::ORIENTATION).into();
+        let right = so3::right_jacobian_inverse(&turn);
+        let with_turn = |block: nalgebra::Matrix3<f64>| {
+            let mut by = ByStates::identity();
+            by.fixed_view_mut::<3, 3>(part::ORIENTATION, part::ORIENTATION)
+                .copy_from(&block);
+            by
+        };
+        let [by_before, by_after] = [-with_turn(right.transpose()), with_turn(right)];
+        let mut columns: Vec<StateTangent> = Vec::new();
+        let push = |columns: &mut Vec<StateTangent>, by: ByStates| {
+            columns.extend(by.column_iter().map(|column| column.into_owned()));
+        };
+        push(&mut columns, by_before * before.by_state());
+        let is_free = problem.event_is_free[self.event];
+        if is_free {
+            columns.push(by_before * before.end.rate + by_after * after.end.rate);
+        }
+        push(&mut columns, by_after * after.by_state());
+        columns.extend(self.acting.iter().map(|acting| {
+            let value = parameters[acting.parameter];
+            let by = |arc: usize, arrival: &GeneralArrival| match acting.influence {
+                Influence::SupportFriction
+                    if problem.arcs[arc].friction_parameter != Some(acting.parameter) =>
+                {
+                    StateTangent::zeros()
+                }
+                influence => arrival.by(influence, value),
+            };
+            by_before * by(self.sides.before, &before) + by_after * by(self.sides.after, &after)
+        }));
+        for row in 0..STATE {
+            let unit = UNITS[row / 3];
+            block.values[row] = gap[row] / unit;
+            let to = block.derivatives_mut(pattern, row);
+            for (entry, column) in to.iter_mut().zip(&columns) {
+                *entry = column[row] / unit;
+            }
+        }
+        if let Some(slip) = before.carried().filter(|_| self.slip_ends) {
+            block.values[STATE] = slip.slip_m_s / unit::VELOCITY_M_S;
+            let by_state = slip.slip_by_state.iter().copied();
+            let by_time = is_free.then_some(slip.slip_rate_m_s2);
+            let by_acting = self.acting.iter().map(|acting| match acting.influence {
+                Influence::Pull(axis) => slip.slip_by_pull[axis],
+                Influence::SupportFriction
+                    if problem.arcs[self.sides.before].friction_parameter
+                        == Some(acting.parameter) =>
+                {
+                    slip.slip_by_friction
+                }
+                _ => 0.0,
+            });
+            let all = by_state.chain(by_time).chain([0.0; STATE]).chain(by_acting);
+            let to = block.derivatives_mut(pattern, STATE);
+            for (entry, by) in to.iter_mut().zip(all) {
+                *entry = by / unit::VELOCITY_M_S;
+            }
+        }
+        Some(())
+    }
+}

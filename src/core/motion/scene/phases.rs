@@ -1,0 +1,78 @@
+//! Which phase a mechanism is in, and what supports it there.
+
+use super::phase::SupportPhase;
+use super::whole::Scene;
+use crate::motion::estimate::{ArcEstimate, EventEstimate};
+use crate::motion::index::MechanismIndex;
+use crate::physics::contact::Feature;
+use crate::physics::{Body, Support};
+
+impl Scene {
+    /// The phase in which a mechanism is between two of its events that follow each other; `None` of a flight.
+    pub fn phase_between(
+        &self,
+        mechanism: MechanismIndex,
+        ends: [Option<usize>; 2],
+    ) -> Option<&SupportPhase> {
+        self.phases.iter().find(|phase| {
+            let [from, until] = phase.events.map(Some);
+            let is_within = from <= ends[0] && ends[1].is_some() && ends[1] <= until;
+            self.mechanism_of(phase.link) == mechanism && is_within
+        })
+    }
+
+    /// The phase that begins, or ends, for a mechanism at an event.
+    pub fn phase_beside(
+        &self,
+        mechanism: MechanismIndex,
+        event: usize,
+        is_after: bool,
+    ) -> Option<&SupportPhase> {
+        let at = usize::from(!is_after);
+        self.phases
+            .iter()
+            .find(|phase| self.mechanism_of(phase.link) == mechanism && phase.events[at] == event)
+    }
+
+    /// The phase in which what moves on an arc is between events at these times \[s\]; `None` of a flight.
+    pub fn phase_of(&self, arc: &ArcEstimate, events: &[EventEstimate]) -> Option<&SupportPhase> {
+        let middle_s = 0.5 * (arc.start_s + arc.end_s);
+        let time_s = |index: usize| {
+            let event = events.iter().find(|event| event.event == index);
+            event.map(|event| event.time_s)
+        };
+        self.phases.iter().find(|phase| {
+            let [from, until] = phase.events.map(time_s);
+            self.mechanism_of(phase.link) == arc.mechanism
+                && from.is_some_and(|from_s| from_s <= middle_s)
+                && until.is_none_or(|until_s| middle_s <= until_s)
+        })
+    }
+
+    /// What supports the body in a phase.
+    ///
+    /// # Panics
+    /// Of a surface that is no plane: `config` refuses it.
+    pub fn support(&self, phase: &SupportPhase) -> Support {
+        let Feature::Face { normal, .. } = self.surfaces[phase.surface].geometry else {
+            panic!("a phase on a plane");
+        };
+        let radius_m = match self.links[phase.link].features[phase.feature].geometry {
+            Feature::Point { radius_m, .. } => Some(radius_m),
+            _ => None,
+        };
+        Support {
+            normal,
+            sustained: phase.sustained,
+            friction: self.contact_laws[phase.law].friction,
+            radius_m,
+        }
+    }
+
+    /// The equations of motion of a mechanism between two of its events that follow each other.
+    pub fn body_between(&self, mechanism: MechanismIndex, ends: [Option<usize>; 2]) -> Body {
+        let phase = self.phase_between(mechanism, ends);
+        self.body_of(mechanism)
+            .with_support(phase.map(|phase| self.support(phase)))
+    }
+}

@@ -1,0 +1,132 @@
+//! What a surface would have to do to a body on it, and cannot: press beyond its outline, so that it would tip, or hold
+//! still, or roll, what slips.
+//!
+//! Of forces and moments per mass, with the angular momentum's rate `L̇` about the centre of mass at the height `h`, the
+//! surface presses at
+//!
+//! ```text
+//! c = n × (L̇ + h n × (v̇ − p))/(−p·n)        along the plane, from below the centre of mass
+//! ```
+
+use nalgebra::{Point3, Vector3};
+
+use super::law::CheckedLaw;
+use super::meeting::{FINITE, World};
+use super::moving::MovingLink;
+use crate::math::Pose;
+use crate::motion::{About, ArcEstimate, Doubt, Place};
+use crate::physics::contact::Feature;
+use crate::physics::impact::Impact;
+use crate::physics::shape::Solid;
+use crate::physics::state::{StateTangent, part};
+use crate::physics::{State, Support, Sustained, flow};
+
+/// Greatest speed of what rests, and slip of what rolls, that is attributed to gaps of the motion [m/s].
+const SLIP_MOST_M_S: f64 = 1e-3;
+
+/// The doubts about all bodies on surfaces.
+pub(super) fn doubts(world: &World) -> Vec<Doubt> {
+    let links = world.links.iter().filter(|link| link.held.is_none());
+    let arcs = links.flat_map(|link| {
+        let supported = link.arcs.iter().filter_map(|arc| Some((arc, arc.support?)));
+        supported.flat_map(move |(arc, support)| of_arc(world, link, arc, support))
+    });
+    arcs.collect()
+}
+
+fn of_arc(
+    world: &World,
+    link: &MovingLink,
+    arc: &ArcEstimate,
+    support: Support,
+) -> impl Iterator<Item = Doubt> + use<> {
+    let place = Place::Flight {
+        mechanism: arc.mechanism,
+        start_s: arc.start_s,
+    };
+    let start = link.state(arc, arc.start_s);
+    let slip_m_s = slip_m_s(&support, &start, link.radius_m);
+    let slips = Doubt::beyond(About::Slips, place.clone(), slip_m_s, SLIP_MOST_M_S);
+    let off_m = [arc.start_s, arc.end_s].map(|time_s| off_m(world, link, arc, &support, time_s));
+    let off_m = off_m[0].max(off_m[1]);
+    let tips = Doubt::beyond(About::Tips, place, off_m, world.scene.tolerance_m);
+    slips.into_iter().chain(tips)
+}
+
+/// How fast what rests moves, or what rolls slips; zero of what slides.
+fn slip_m_s(support: &Support, state: &State, reach_m: f64) -> f64 {
+    let spin = state.orientation * state.angular_velocity_rad_s;
+    let n = support.normal;
+    match (support.sustained, support.radius_m) {
+        (Sustained::Slide, _) => 0.0,
+        (Sustained::Roll, radius_m) => {
+            let slip = state.velocity_m_s - spin.cross(&n) * radius_m.unwrap_or(0.0);
+            (slip - n * n.dot(&slip)).norm()
+        }
+        (Sustained::Rest, _) => state.velocity_m_s.norm() + spin.norm() * reach_m,
+    }
+}
+
+/// How far beyond its outline what lies flat would have to be pressed \[m\]; zero of a ball.
+fn off_m(
+    world: &World,
+    link: &MovingLink,
+    arc: &ArcEstimate,
+    support: &Support,
+    time_s: f64,
+) -> f64 {
+    if support.radius_m.is_some() {
+        return 0.0;
+    }
+    let body = world.scene.body_on(arc);
+    let gravity = world.estimate.gravity_m_s2;
+    let state = link.state(arc, time_s);
+    let rate: StateTangent = flow::rate(&body, &gravity, &state);
+    let n = support.normal;
+    let pull = body.pull_m_s2(&gravity);
+    let acceleration: Vector3<f64> = rate.fixed_rows::<3>(part::VELOCITY).into();
+    let turning: Vector3<f64> = rate.fixed_rows::<3>(part::ANGULAR_VELOCITY).into();
+    let per_mass = body.moments_kg_m2() / body.mass_kg();
+    let omega = state.angular_velocity_rad_s;
+    let momentum = per_mass.component_mul(&omega);
+    let moment = state.orientation * (per_mass.component_mul(&turning) + omega.cross(&momentum));
+    let world_from_link = Pose::from_parts(state.position_m.into(), state.orientation);
+    let lowest = link.solid.lowest(&world_from_link, &state.position_m, &n);
+    let height_m = -lowest.expect(FINITE).gap_m;
+    let along = moment + n.cross(&(acceleration - pull)) * height_m;
+    let centre_m = n.cross(&along) / -pull.dot(&n);
+    outside_m(link, &state, state.position_m - n * height_m + centre_m)
+}
+
+/// Distance of a point from a body's solid \[m, world\]; zero within.
+fn outside_m(link: &MovingLink, state: &State, point_m: Vector3<f64>) -> f64 {
+    let world_from_link = Pose::from_parts(state.position_m.into(), state.orientation);
+    let here = Pose::from_parts(Point3::from(point_m).coords.into(), Default::default());
+    let point = Solid::ball(0.0);
+    let distance_m = link.solid.distance_m(&world_from_link, &point, &here);
+    distance_m.expect(FINITE).max(0.0)
+}
+
+/// Whether a face that lands flat on the world is pressed within its outline.
+pub(super) fn presses_within(
+    world: &World,
+    link: &MovingLink,
+    state: &State,
+    law: &CheckedLaw,
+    impact: &Impact,
+) -> bool {
+    let contacts = law.contacts.as_slice();
+    let is_face = contacts.len() == 3
+        && contacts.iter().all(|contact| {
+            matches!(contact.b(), Feature::Face { .. }) && contact.b() == contacts[0].b()
+        });
+    let pressed_n_s: f64 = impact.normal_impulses_n_s.iter().sum();
+    if !is_face || !(pressed_n_s > 0.0) {
+        return false;
+    }
+    let points = contacts.iter().zip(impact.normal_impulses_n_s);
+    let weighed = points.map(|(contact, n_s)| contact.a().place_m() * n_s);
+    let centre_m = weighed.sum::<Vector3<f64>>() / pressed_n_s;
+    let point_m = state.position_m + state.orientation * centre_m;
+    outside_m(link, state, point_m) <= world.scene.tolerance_m
+}
