@@ -63,7 +63,8 @@ impl Scene {
             || (0..2).any(|tangent| self.frees(Quantity::Tilt { event, tangent }));
         let set = if self.has_friction(law) {
             let count = contacts.len();
-            if count > 1 && collision.partner != Partner::World {
+            let joined = self.joint_tree(self.mechanism_of(collision.link));
+            if count > 1 && (collision.partner != Partner::World || joined.is_some()) {
                 return Err(ContactSetError::FrictionAtSeveral { count }.into());
             }
             ContactSet::with_friction(&contacts)?
