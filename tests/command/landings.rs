@@ -7,8 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 
-use crate::phases::{GRAVITY_M_S2, STEP_S, Samples, assert_within, phase};
-use crate::program::enact;
+use crate::phases::{GRAVITY_M_S2, STEP_S, Samples, assert_within, phase, replayed};
 
 /// A box that flies, lands flat on the level table, slides and rests: flights in closed form, friction in small steps.
 /// `friction` at the landing and after it.
@@ -91,35 +90,10 @@ fn answer_of_thrown(
          {}[[event]]\nname = \"end\"\nkind = \"end\"\n{phases}",
         if slides { still } else { "" },
     );
-    std::fs::write(folder.join("scene.toml"), scene).expect("a scene");
-    std::fs::write(folder.join("poses.csv"), &thrown.csv).expect("a table");
-    let mut marks = vec![
-        "0:go".to_owned(),
-        format!("{}:land", thrown.landed_s + off_s),
-    ];
-    if slides {
-        marks.push(format!("{}:still", thrown.still_s - off_s));
-    }
-    marks.push(format!("{}:end", thrown.end_s));
-    let mut import = vec![
-        "import",
-        "poses.csv",
-        "--scene",
-        "scene.toml",
-        "-o",
-        "take.mcap",
-    ];
-    import.extend(marks.iter().flat_map(|mark| ["--mark", mark.as_str()]));
-    let ran = enact(folder, &import);
-    assert!(
-        ran.status.success(),
-        "{}",
-        String::from_utf8_lossy(&ran.stderr)
-    );
-    let ran = enact(folder, &["replay", "take.mcap", "--format", "ndjson"]);
-    std::fs::remove_file(folder.join("take.mcap")).expect("a take");
-    let said = String::from_utf8_lossy(&ran.stderr).into_owned();
-    serde_json::from_slice(&ran.stdout).unwrap_or_else(|_| panic!("one line of JSON: {said}"))
+    let mut marks = vec![(0.0, "go"), (thrown.landed_s + off_s, "land")];
+    marks.extend(slides.then_some((thrown.still_s - off_s, "still")));
+    marks.push((thrown.end_s, "end"));
+    replayed(folder, &scene, &thrown.csv, &marks)
 }
 
 const FACE: &str = "feature = \"face -z\"\n";
@@ -154,12 +128,8 @@ fn a_box_lands_flat_slides_and_rests() {
         let of = &said["parameters"]["thing.friction"];
         assert_within(of, "value", "sd", friction, 0.02, "friction");
         // Each piece says what it is, and how certain it is.
-        let names: Vec<_> = said["segments"]
-            .as_array()
-            .expect("segments")
-            .iter()
-            .collect();
-        let names: Vec<_> = names.iter().map(|of| of["phase"].as_str()).collect();
+        let segments = said["segments"].as_array().expect("segments");
+        let names: Vec<_> = segments.iter().map(|of| of["phase"].as_str()).collect();
         assert_eq!(names, [None, Some("sliding"), Some("lying")]);
         for along in said["certainty"].as_array().expect("certainty") {
             let of = &along["position_sd_mm"]["largest"];
@@ -199,7 +169,7 @@ fn what_would_tip_is_not_said_to_slide() {
         + "[[free]]\nquantity = \"thing.friction\"\n";
     let mut random = ChaCha8Rng::seed_from_u64(9600);
     let thrown = thrown(0.4, Vector3::new(1.6, 0.0, 0.2), 0.0, &mut random);
-    // The same motion of the same middle: of a box whose edges are 15 mm from it, not 40.
+    // The same motion of the same middle: of a box whose edges are 6 mm from it, not 40.
     for (size_mm, is_there) in [("[80, 80, 40]", true), ("[12, 12, 40]", false)] {
         let said = answer_of_thrown(folder.path(), size_mm, &phases, &thrown, 0.004);
         assert_eq!(said["verdict"] == "physical", is_there, "{size_mm}: {said}");

@@ -143,34 +143,29 @@ fn scene(shape: &str, phases: &str) -> String {
 
 /// The answer about a take, with its one change marked at a time.
 fn answer(folder: &Path, scene: &str, made: &Made, mark_s: f64, end_s: f64) -> Value {
+    let marks = [(0.0, "go"), (mark_s, "change"), (end_s, "end")];
+    replayed(folder, scene, &made.csv, &marks)
+}
+
+/// The answer about a table with a scene and marks.
+pub(crate) fn replayed(folder: &Path, scene: &str, csv: &str, marks: &[(f64, &str)]) -> Value {
     std::fs::write(folder.join("scene.toml"), scene).expect("a scene");
-    std::fs::write(folder.join("poses.csv"), &made.csv).expect("a table");
-    let marks = [format!("{mark_s}:change"), format!("{end_s}:end")];
-    let ran = enact(
-        folder,
-        &[
-            "import",
-            "poses.csv",
-            "--scene",
-            "scene.toml",
-            "-o",
-            "take.mcap",
-            "--mark",
-            "0:go",
-            "--mark",
-            &marks[0],
-            "--mark",
-            &marks[1],
-        ],
-    );
-    assert!(
-        ran.status.success(),
-        "{}",
-        String::from_utf8_lossy(&ran.stderr)
-    );
+    std::fs::write(folder.join("poses.csv"), csv).expect("a table");
+    let marks = marks
+        .iter()
+        .map(|(time_s, event)| format!("{time_s}:{event}"));
+    let marks: Vec<String> = marks.collect();
+    let mut import = "import poses.csv --scene scene.toml -o take.mcap"
+        .split(' ')
+        .collect::<Vec<_>>();
+    import.extend(marks.iter().flat_map(|mark| ["--mark", mark.as_str()]));
+    let ran = enact(folder, &import);
+    let said = String::from_utf8_lossy(&ran.stderr);
+    assert!(ran.status.success(), "{said}");
     let ran = enact(folder, &["replay", "take.mcap", "--format", "ndjson"]);
     std::fs::remove_file(folder.join("take.mcap")).expect("a take");
-    serde_json::from_slice(&ran.stdout).expect("one line of JSON")
+    let said = String::from_utf8_lossy(&ran.stderr);
+    serde_json::from_slice(&ran.stdout).unwrap_or_else(|_| panic!("one line of JSON: {said}"))
 }
 
 /// Asserts that a value is within four deviations of the truth, and that these are small.

@@ -213,6 +213,15 @@ fn collision(
         tilt_rad: [0.0; 2],
     };
     collision.law = law::of_event(spanned, &collision, of_links, laws)?;
+    let count = collision.contacts.len();
+    let joined = scene.joint_tree(scene.mechanism_of(link));
+    let may_lie = count == 3 && partner == Partner::World && joined.is_none();
+    if count > 1 && !may_lie && laws[collision.law].friction > 0.0 {
+        return fault(
+            spanned.span(),
+            "friction is for one contact, not for several at once",
+        );
+    }
     Ok(collision)
 }
 

@@ -259,7 +259,7 @@ fn check_begin(raw: &RawPhase, phase: &SupportPhase, scene: &Scene) -> Result<()
             let hits = of.partner == Partner::World
                 && of.contacts.iter().all(|t| t.other == Some(phase.surface));
             let set = scene.contact_set(event).ok().flatten();
-            let lands = hits && set.is_some_and(|set| set.as_slice().len() == 3);
+            let lands = hits && set.is_some_and(|set| set.is_flat());
             let is_flat = scene.support(phase).radius_m.is_none();
             let stops =
                 set.is_some_and(|set| set.is_landing()) && phase.sustained == Sustained::Rest;

@@ -117,23 +117,7 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     parameters(&raw.free, &mut scene)?;
     refuse(raw, &scene)?;
     for (event, spanned) in raw.event.iter().enumerate() {
-        let contacts = scene.contact_set(event);
-        let joined = scene.events[event].kind.collision().filter(|of| {
-            let mechanism = scene.mechanism_of(of.link);
-            scene.joint_tree(mechanism).is_some()
-        });
-        let is_rough = joined.is_some_and(|of| {
-            let several =
-                of.contacts.len() > 1 || matches!(&contacts, Ok(Some(set)) if set.is_landing());
-            several && scene.has_friction(of.law)
-        });
-        if is_rough {
-            return fault(
-                spanned.span(),
-                "friction is for one contact of what is joined, not for several at once",
-            );
-        }
-        contacts.map_err(|error| Fault {
+        scene.contact_set(event).map_err(|error| Fault {
             span: spanned.span(),
             message: error.to_string(),
         })?;

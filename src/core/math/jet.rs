@@ -34,6 +34,14 @@ impl<const N: usize> Jet<N> {
         }
     }
 
+    /// The `at`th variable; a constant where there are not so many.
+    pub fn variable(value: f64, at: usize) -> Self {
+        Self {
+            value,
+            by: RowSVector::from_fn(|_, column| f64::from(u8::from(column == at))),
+        }
+    }
+
     /// A function of it, of the given value and slope.
     fn through(self, value: f64, slope: f64) -> Self {
         Self {
@@ -61,6 +69,22 @@ impl<const N: usize> Jet3<N> {
         Self {
             value,
             by: SMatrix::zeros(),
+        }
+    }
+
+    /// Three variables, from the `at`th on.
+    pub fn variable(value: Vector3<f64>, at: usize) -> Self {
+        Self {
+            value,
+            by: SMatrix::from_fn(|row, column| f64::from(u8::from(column == at + row))),
+        }
+    }
+
+    /// `|a|`; the least where it is no greater, of which no direction is told.
+    pub fn norm(self, least: f64) -> Jet<N> {
+        match self.value.norm() {
+            norm if norm > least => self.dot(self).sqrt(),
+            _ => Jet::constant(least),
         }
     }
 

@@ -78,22 +78,18 @@ pub fn refine(scene: &Scene, sketch: &mut Sketch) -> usize {
 fn left_m2_of(scene: &Scene, sketch: &Sketch, sums: &PrefixSums, track: TrackIndex) -> f64 {
     let samples = &sketch.tracks[track].samples;
     let mechanism = scene.mechanism_seen_by(track);
-    let is_carried = |event: usize, is_after: bool| {
-        let phase = scene.phase_beside(mechanism, event, is_after);
-        phase.is_some()
-    };
-    let (mut left_m2, mut begin, mut carries) = (0.0, 0, false);
+    let (mut left_m2, mut begin) = (0.0, 0);
     for (event, of) in scene.events.iter().enumerate() {
         if scene.concerns(event, mechanism) {
             let at = samples.partition_point(|s| s.acted_s <= sketch.marks_s[event]);
             let beside = usize::from(of.kind.collision().is_some());
-            carries |= is_carried(event, false);
-            left_m2 += sums.cost_of(begin, at.saturating_sub(beside), carries);
+            let ends = scene.phase_beside(mechanism, event, false);
+            left_m2 += sums.cost_of(begin, at.saturating_sub(beside), ends.is_some());
             begin = (at + beside).min(samples.len());
-            carries = is_carried(event, true);
         }
     }
-    left_m2 + sums.cost_of(begin, samples.len(), carries)
+    // Every phase ends at an event.
+    left_m2 + sums.cost(begin, samples.len())
 }
 
 /// Enlarges the standard deviations `σ` of marks to `σ √((ν + d²)/(ν + 1))`, at least `σ`: at the

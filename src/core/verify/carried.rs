@@ -8,14 +8,13 @@
 //! c = n × (L̇ + h n × (v̇ − p))/(−p·n)        along the plane, from below the centre of mass
 //! ```
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 
 use super::law::CheckedLaw;
 use super::meeting::{FINITE, World};
 use super::moving::MovingLink;
 use crate::math::Pose;
 use crate::motion::{About, ArcEstimate, Doubt, Place};
-use crate::physics::contact::Feature;
 use crate::physics::impact::Impact;
 use crate::physics::shape::Solid;
 use crate::physics::state::{StateTangent, part};
@@ -101,7 +100,7 @@ fn off_m(
 /// Distance of a point from a body's solid \[m, world\]; zero within.
 fn outside_m(link: &MovingLink, state: &State, point_m: Vector3<f64>) -> f64 {
     let world_from_link = Pose::from_parts(state.position_m.into(), state.orientation);
-    let here = Pose::from_parts(Point3::from(point_m).coords.into(), Default::default());
+    let here = Pose::translation(point_m.x, point_m.y, point_m.z);
     let point = Solid::ball(0.0);
     let distance_m = link.solid.distance_m(&world_from_link, &point, &here);
     distance_m.expect(FINITE).max(0.0)
@@ -115,16 +114,15 @@ pub(super) fn presses_within(
     law: &CheckedLaw,
     impact: &Impact,
 ) -> bool {
-    let contacts = law.contacts.as_slice();
-    let is_face = contacts.len() == 3
-        && contacts.iter().all(|contact| {
-            matches!(contact.b(), Feature::Face { .. }) && contact.b() == contacts[0].b()
-        });
     let pressed_n_s: f64 = impact.normal_impulses_n_s.iter().sum();
-    if !is_face || !(pressed_n_s > 0.0) {
+    if !law.contacts.is_flat() || !(pressed_n_s > 0.0) {
         return false;
     }
-    let points = contacts.iter().zip(impact.normal_impulses_n_s);
+    let points = law
+        .contacts
+        .as_slice()
+        .iter()
+        .zip(impact.normal_impulses_n_s);
     let weighed = points.map(|(contact, n_s)| contact.a().place_m() * n_s);
     let centre_m = weighed.sum::<Vector3<f64>>() / pressed_n_s;
     let point_m = state.position_m + state.orientation * centre_m;

@@ -105,15 +105,7 @@ impl ArcChange {
         push(&mut columns, by_after * after.by_state());
         columns.extend(self.acting.iter().map(|acting| {
             let value = parameters[acting.parameter];
-            let by = |arc: usize, arrival: &GeneralArrival| match acting.influence {
-                Influence::SupportFriction
-                    if problem.arcs[arc].friction_parameter != Some(acting.parameter) =>
-                {
-                    StateTangent::zeros()
-                }
-                influence => arrival.by(influence, value),
-            };
-            by_before * by(self.sides.before, &before) + by_after * by(self.sides.after, &after)
+            by_before * before.by_acting(acting, value) + by_after * after.by_acting(acting, value)
         }));
         for row in 0..STATE {
             let unit = UNITS[row / 3];
@@ -129,12 +121,7 @@ impl ArcChange {
             let by_time = is_free.then_some(slip.slip_rate_m_s2);
             let by_acting = self.acting.iter().map(|acting| match acting.influence {
                 Influence::Pull(axis) => slip.slip_by_pull[axis],
-                Influence::SupportFriction
-                    if problem.arcs[self.sides.before].friction_parameter
-                        == Some(acting.parameter) =>
-                {
-                    slip.slip_by_friction
-                }
+                Influence::SupportFriction if before.is_slowed_by(acting) => slip.slip_by_friction,
                 _ => 0.0,
             });
             let all = by_state.chain(by_time).chain([0.0; STATE]).chain(by_acting);

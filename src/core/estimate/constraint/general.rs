@@ -167,7 +167,7 @@ pub(super) fn fill(
                     .iter()
                     .enumerate()
                     .filter(|(index, _)| acts(acting, *index))
-                    .map(|(index, arrival)| (by[index] * arrival.by(acting.influence, value))[0])
+                    .map(|(index, arrival)| (by[index] * arrival.by_acting(acting, value))[0])
                     .sum();
                 flown + of_model[contact]
             });
@@ -243,11 +243,11 @@ pub(super) fn fill(
             let value = parameters[acting.parameter];
             let mut column = StateTangent::zeros();
             if acts(acting, index) {
-                column += by_after * after.by(acting.influence, value);
+                column += by_after * after.by_acting(acting, value);
             }
             for (other, (by, arrival)) in by_before.iter().zip(&before).enumerate() {
                 if acts(acting, other) {
-                    column += by * arrival.by(acting.influence, value);
+                    column += by * arrival.by_acting(acting, value);
                 }
             }
             let mut velocities = column.fixed_rows_mut::<6>(part::VELOCITY);

@@ -19,6 +19,8 @@ pub(in crate::estimate) struct GeneralArrival {
     /// The state, and its derivatives by time and by rotations.
     pub(in crate::estimate) end: ArcEnd,
     flown: Flown,
+    /// The parameter that holds the friction of what supports the body.
+    friction_parameter: Option<usize>,
 }
 
 impl GeneralArrival {
@@ -39,6 +41,7 @@ impl GeneralArrival {
             return Some(Self {
                 end: ArcEnd::carried(&carried, duration_s),
                 flown: Flown::Carried(carried),
+                friction_parameter: problem.arcs[arc].friction_parameter,
             });
         }
         let end = ArcEnd::new(body, &gravity_m_s2, point, arc, [epoch_s, time_s]);
@@ -83,6 +86,7 @@ impl GeneralArrival {
                 turn,
                 by_moments,
             }),
+            friction_parameter: None,
         }
     }
 
@@ -98,6 +102,11 @@ impl GeneralArrival {
     pub(in crate::estimate) fn velocity_by_velocity(&self, axis: usize) -> f64 {
         let at = part::VELOCITY + axis;
         self.flown.by_state()[(at, at)]
+    }
+
+    /// Whether a parameter is the friction of what supports it: another arc at the same event may have another.
+    pub(in crate::estimate) fn is_slowed_by(&self, acting: &Acting) -> bool {
+        self.friction_parameter == Some(acting.parameter)
     }
 
     /// Derivatives by the state at the epoch.
@@ -118,6 +127,14 @@ impl GeneralArrival {
                 .map(|axis| flown.by_log_moment(axis) / value)
                 .sum(),
             _ => StateTangent::zeros(),
+        }
+    }
+
+    /// The same by one that acts at an event, maybe on another arc.
+    pub(in crate::estimate) fn by_acting(&self, acting: &Acting, value: f64) -> StateTangent {
+        match acting.influence {
+            Influence::SupportFriction if !self.is_slowed_by(acting) => StateTangent::zeros(),
+            influence => self.by(influence, value),
         }
     }
 }

@@ -157,19 +157,12 @@ struct Seen<const N: usize> {
 
 impl<const N: usize> Slipping<N> {
     fn new(body: &Body, support: &Support, gravity_m_s2: &Vector3<f64>, state: &State) -> Self {
-        let variable = |value: Vector3<f64>, at: usize| Jet3 {
-            value,
-            by: SMatrix::from_fn(|row, column| f64::from(u8::from(column == at + row))),
-        };
-        let position_m = variable(state.position_m, part::POSITION);
-        let velocity_m_s = variable(state.velocity_m_s, part::VELOCITY);
-        let turn = variable(Vector3::zeros(), part::ORIENTATION);
-        let spin = variable(state.angular_velocity_rad_s, part::ANGULAR_VELOCITY);
-        let pull = variable(body.pull_m_s2(gravity_m_s2), PULL);
-        let mut friction = Jet::constant(support.friction);
-        if FRICTION < N {
-            friction.by[FRICTION] = 1.0;
-        }
+        let position_m = Jet3::variable(state.position_m, part::POSITION);
+        let velocity_m_s = Jet3::variable(state.velocity_m_s, part::VELOCITY);
+        let turn = Jet3::variable(Vector3::zeros(), part::ORIENTATION);
+        let spin = Jet3::variable(state.angular_velocity_rad_s, part::ANGULAR_VELOCITY);
+        let pull = Jet3::variable(body.pull_m_s2(gravity_m_s2), PULL);
+        let friction = Jet::variable(support.friction, FRICTION);
         let to_world = so3::matrix(&state.orientation);
         // R Exp(δ) ω = R (ω + δ × ω), and R Exp(δ) = Exp(R δ) R.
         let spin_rad_s = (spin + turn.cross(spin)).through(&to_world);
@@ -205,10 +198,7 @@ impl<const N: usize> Slipping<N> {
                 1.0,
             ),
         };
-        let slip_m_s = match slip.value.norm() {
-            slip_m_s if slip_m_s > LEAST_M_S => slip.dot(slip).sqrt(),
-            _ => Jet::constant(LEAST_M_S),
-        };
+        let slip_m_s = slip.norm(LEAST_M_S);
         let start = SlipNode {
             since_s: 0.0,
             slip_m_s,

@@ -35,16 +35,7 @@ impl ContactSet {
     /// lands flat. Others are refused.
     pub fn with_friction(contacts: &[Contact]) -> Result<Self, ContactSetError> {
         let contacts = Self::frictionless(contacts)?;
-        let [first, others @ ..] = contacts.as_slice() else {
-            unreachable!("at least one contact")
-        };
-        let is_flat = contacts.as_slice().iter().all(|contact| {
-            matches!(contact.a(), Feature::Point { .. })
-                && matches!(contact.b(), Feature::Face { .. })
-                && contact.b() == first.b()
-        });
-        let is_one = others.is_empty();
-        if !(is_one || is_flat && contacts.count == MOST_CONTACTS) {
+        if contacts.count > 1 && !contacts.is_flat() {
             return Err(ContactSetError::FrictionAtSeveral {
                 count: contacts.count,
             });
@@ -74,9 +65,20 @@ impl ContactSet {
         Ok(Some([x?, y?, z?]))
     }
 
+    /// Whether three points of A are on one face.
+    pub fn is_flat(&self) -> bool {
+        let contacts = self.as_slice();
+        let is_on_it = |contact: &Contact| {
+            matches!(contact.a(), Feature::Point { .. })
+                && matches!(contact.b(), Feature::Face { .. })
+                && contact.b() == contacts[0].b()
+        };
+        contacts.len() == MOST_CONTACTS && contacts.iter().all(is_on_it)
+    }
+
     /// Whether a face lands flat and friction acts on it as a whole.
     pub fn is_landing(&self) -> bool {
-        self.has_friction && self.count == MOST_CONTACTS
+        self.has_friction && self.count > 1
     }
 
     /// Whether friction is part of it.

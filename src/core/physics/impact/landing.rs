@@ -56,13 +56,13 @@ impl Landing {
     pub(super) fn new(side: &Side, normal: &Vector3<f64>, law: &Law) -> Self {
         let state = side.state;
         let to_world = so3::matrix(&state.orientation);
-        let turn = variable3(Vector3::zeros(), ORIENTATION);
-        let velocity = variable3(state.velocity_m_s, VELOCITY);
-        let omega = variable3(state.angular_velocity_rad_s, ANGULAR_VELOCITY);
-        let restitution = variable(law.restitution, RESTITUTION);
-        let friction = variable(law.friction, FRICTION);
-        let normal = variable3(*normal, NORMAL);
-        let mass = variable(0.0, MASS);
+        let turn = Jet3::variable(Vector3::zeros(), ORIENTATION);
+        let velocity = Jet3::variable(state.velocity_m_s, VELOCITY);
+        let omega = Jet3::variable(state.angular_velocity_rad_s, ANGULAR_VELOCITY);
+        let restitution = Jet::variable(law.restitution, RESTITUTION);
+        let friction = Jet::variable(law.friction, FRICTION);
+        let normal = Jet3::variable(*normal, NORMAL);
+        let mass = Jet::<VARIABLES>::variable(0.0, MASS);
         let mass_kg = Jet {
             value: side.body.mass_kg(),
             by: mass.by * side.body.mass_kg(),
@@ -70,7 +70,8 @@ impl Landing {
         let moments = side.body.moments_kg_m2();
         let moments_kg_m2 = Jet3 {
             value: moments,
-            by: Matrix3::from_diagonal(&moments) * variable3(Vector3::zeros(), MOMENTS).by,
+            by: Matrix3::from_diagonal(&moments)
+                * Jet3::<VARIABLES>::variable(Vector3::zeros(), MOMENTS).by,
         };
         // In body axes, (R Exp(δ))ᵀ n = Rᵀ n − δ × Rᵀ n.
         let up = normal.through(&to_world.transpose());
@@ -83,10 +84,7 @@ impl Landing {
         let spin = kept * both - omega.dot(up) * restitution;
         let slip = velocity - normal * along + normal * (spin * gyration_m);
         let pressed = friction * both * -along;
-        let slip_m_s = match slip.value.norm() {
-            slip_m_s if slip_m_s > LEAST_M_S => slip.dot(slip).sqrt(),
-            _ => Jet::constant(LEAST_M_S),
-        };
+        let slip_m_s = slip.norm(LEAST_M_S);
         let sticks = slip_m_s.value <= pressed.value;
         let left = match sticks {
             true => Jet::constant(0.0),
@@ -156,21 +154,6 @@ impl Landing {
     /// By the normal's change \[world\].
     pub(super) fn by_normal(&self) -> SMatrix<f64, 6, 3> {
         self.columns::<3>(NORMAL)
-    }
-}
-
-/// The `at`th variable.
-fn variable(value: f64, at: usize) -> Jet<VARIABLES> {
-    let mut jet = Jet::constant(value);
-    jet.by[at] = 1.0;
-    jet
-}
-
-/// Three variables from the `at`th on.
-fn variable3(value: Vector3<f64>, at: usize) -> Jet3<VARIABLES> {
-    Jet3 {
-        value,
-        by: SMatrix::from_fn(|row, column| f64::from(u8::from(column == at + row))),
     }
 }
 

@@ -73,14 +73,8 @@ impl ImpactSolution<'_> {
             rates.push(touch.1);
         }
         let mut by_model = ImpactByModel::zeros();
-        if let Some(landing) = self.landing() {
-            by_model.after_by_mass[0][0] = landing.by_mass();
-            by_model.after_by_moments[0][0] = landing.by_moments();
-        }
         for body in 0..self.rows.bodies {
-            if self.landing().is_none() {
-                self.by_inertia(body, &mut by_model);
-            }
+            self.by_inertia(body, &mut by_model);
             self.by_shift(body, &rates, &mut by_model);
         }
         if self.rows.bodies == 1 {
@@ -92,6 +86,11 @@ impl ImpactSolution<'_> {
     }
 
     fn by_inertia(&self, body: usize, by_model: &mut ImpactByModel) {
+        if let Some(landing) = self.landing() {
+            by_model.after_by_mass[0][0] = landing.by_mass();
+            by_model.after_by_moments[0][0] = landing.by_moments();
+            return;
+        }
         let impulses = self.impulses_by_inertia(body);
         let mut after = self.rows.velocity_changes_by_impulses(&impulses);
         after[body] += self.rows.velocity_changes_by_inertia(body, self.impulses());
