@@ -44,7 +44,6 @@ pub struct ArcLine {
     /// Name of the body.
     pub body: String,
     /// Name of the phase in which a surface carries it; none in flight.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<String>,
     /// When it begins.
     pub start_s: f64,

@@ -105,7 +105,6 @@ pub struct SegmentLine {
     /// Name of the body.
     pub body: String,
     /// Name of the phase in which a surface carries it; none in flight.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<String>,
     /// Physical time at which it begins.
     pub start_s: f64,
