@@ -6,6 +6,7 @@ mod golden;
 mod inputs;
 mod landings;
 mod phases;
+mod pivots;
 #[path = "../support/program.rs"]
 mod program;
 mod shell;

@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
-use crate::motion::{Collision, EventKind, LinkIndex, Partner, Scene, Sees, Timing, Track};
-use crate::physics::Sustained;
+use crate::motion::{
+    Collision, EventKind, LinkIndex, Partner, Scene, Sees, SupportPhase, Timing, Track,
+};
 
 /// What a scene means: what moves, what is expected on which topics, what each mark stands for, and what is
 /// missing.
@@ -125,7 +126,7 @@ pub fn check_scene(scene: &Scene) -> SceneCheck {
             .filter_map(|event| event.kind.collision());
         let mut worlds = collisions.filter(|of| of.partner == Partner::World);
         let mut phases = scene.phases.iter();
-        phases.any(|phase| phase.surface == surface)
+        phases.any(|phase| phase.on_surface().is_some_and(|on| on.surface == surface))
             || worlds.any(|of| {
                 let mut contacts = of.contacts.iter();
                 contacts.any(|touching| touching.other.is_none_or(|other| other == surface))
@@ -264,11 +265,7 @@ fn change(scene: &Scene, link: LinkIndex, event: usize) -> String {
     let mechanism = scene.mechanism_of(link);
     let of = |is_after: bool| {
         let phase = scene.phase_beside(mechanism, event, is_after);
-        phase.map_or("flies", |phase| match phase.sustained {
-            Sustained::Slide => "slides",
-            Sustained::Roll => "rolls",
-            Sustained::Rest => "rests",
-        })
+        phase.map_or("flies", SupportPhase::verb)
     };
     let name = &scene.links[link].name;
     format!("{name}, which {}, {} from then on", of(false), of(true))

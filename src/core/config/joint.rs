@@ -20,7 +20,8 @@ use crate::physics::tree::{self, JointKind};
 /// Ties the scene's bodies together: those that joints connect become one mechanism.
 pub(super) fn join(raw: &RawScene, scene: &mut Scene) -> Result<(), Fault> {
     let mut joints: Vec<(Joint, Range<usize>)> = Vec::new();
-    for spanned in &raw.joint {
+    let lasting = |of: &&Spanned<RawJoint>| !of.get_ref().is_for_a_while();
+    for spanned in raw.joint.iter().filter(lasting) {
         let joint = joint(spanned, scene)?;
         let taken = joints.iter().map(|(of, _)| of.name.as_str());
         unique("joint", &spanned.get_ref().name, &joint.name, taken)?;
@@ -111,7 +112,8 @@ fn hangs_outside(scene: &Scene, joint: &Joint) -> bool {
     joint.parent.is_none_or(|parent| scene.is_held(parent))
 }
 
-fn joint(spanned: &Spanned<RawJoint>, scene: &Scene) -> Result<Joint, Fault> {
+/// One joint, as its table says.
+pub(super) fn joint(spanned: &Spanned<RawJoint>, scene: &Scene) -> Result<Joint, Fault> {
     let raw = spanned.get_ref();
     let name = name("joint", &raw.name)?;
     let child = link_of(&raw.child, scene)?;

@@ -19,9 +19,9 @@ use crate::estimate::problem::{
     Problem, TimeBound, TimeSide,
 };
 use crate::motion::{
-    EventKind, GoalTarget, LinkIndex, Moment, Partner, Quantity, Scene, Segment, Sketch, Timing,
+    EventKind, GoalTarget, LinkIndex, Moment, Partner, Quantity, Scene, Segment, Sketch,
+    SupportPhase, Timing,
 };
-use crate::physics::Sustained;
 
 impl Problem {
     /// The problem of a scene and a sketch cut into segments.
@@ -96,9 +96,8 @@ impl Problem {
             arc.clock = clock.map(|role| role.parameter);
             arc.acting = acting.map(|role| role.acting(None)).collect();
             let phase = scene.phase_between(arc.mechanism, segment.ends());
-            let phase = phase.filter(|phase| phase.sustained != Sustained::Rest);
-            arc.friction_parameter =
-                phase.and_then(|phase| parameter(Quantity::Friction { law: phase.law }));
+            let law = phase.and_then(SupportPhase::friction_law);
+            arc.friction_parameter = law.and_then(|law| parameter(Quantity::Friction { law }));
             arc.acting.extend(arc.friction_parameter.map(friction));
             let body = arc.body;
             arc.is_plain = arc.acting.is_empty() && body.is_ballistic();

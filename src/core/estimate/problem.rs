@@ -22,6 +22,7 @@ use crate::motion::{
     Cone, FreeParameter, HeldMotion, MechanismIndex, Performer, Stamp, TrackIndex,
 };
 use crate::physics::impact::{ContactSet, Law};
+use crate::physics::support::Caught;
 use crate::physics::{Body, state};
 
 /// Units of constraints: violations of one unit have equal weight.
@@ -289,6 +290,8 @@ pub struct ArcChange {
     pub sides: ArcPair,
     /// Whether friction ends the slip there.
     pub slip_ends: bool,
+    /// What catches the body there: its impulse ends what of the velocities it does not allow.
+    pub caught: Option<Caught>,
     /// Parameters that act on its arcs; gravity among them.
     pub acting: Vec<Acting>,
 }
@@ -298,10 +301,29 @@ pub struct ArcChange {
 pub struct ArcSupport {
     /// The arc.
     pub arc: usize,
-    /// A point of the plane [m, world].
-    pub point_m: Vector3<f64>,
-    /// The face that lies on it; `None` of a ball.
-    pub face: Option<FlatFace>,
+    /// Whether its velocities follow from an event at which it was caught.
+    pub is_caught: bool,
+    /// Where what supports it is.
+    pub at: SupportPlace,
+}
+
+/// Where in the world something supports a body.
+#[derive(Clone, Copy, Debug)]
+pub enum SupportPlace {
+    /// On a plane.
+    Plane {
+        /// A point of the plane [m, world].
+        point_m: Vector3<f64>,
+        /// The face that lies on it; `None` of a ball.
+        face: Option<FlatFace>,
+    },
+    /// At a pivot.
+    Pivot {
+        /// Where that is [m, world]; `None`: where the body is.
+        place_m: Option<Vector3<f64>>,
+        /// Along the axis about which the body turns, where there is one \[world\].
+        axis: Option<Vector3<f64>>,
+    },
 }
 
 /// A face of a body.

@@ -6,8 +6,8 @@ use super::clock;
 use super::fit::ArcFit;
 use super::readings::Readings;
 use super::turn::{self, OrientationReading};
-use super::{carried, crossing, keyed, open_times, pointing, roll, swing, unseen};
-use crate::motion::{Guess, Observer, Scene, Segment, Sketch, Timing};
+use super::{carried, crossing, keyed, open_times, pointing, roll, swing, tied, unseen};
+use crate::motion::{Guess, Observer, Scene, Segment, Sketch, SupportedBy, Timing};
 use crate::physics::State;
 
 /// Greatest number of choices of fits.
@@ -96,6 +96,26 @@ pub fn guess(
             let flight = ballistic::fit(&readings.places, middle_s, &pull_m_s2, Some(*rate));
             state.position_m = flight.position_m;
             state.velocity_m_s = flight.acted_velocity_m_s / *rate;
+        }
+        if let Some(SupportedBy::Pivot(at)) = phase.map(|phase| &phase.by) {
+            let since = |acted_s: &f64| time_line.at(*acted_s) - epoch_s;
+            let turns = match &readings.lever_m {
+                Some(point_m) => {
+                    let places = readings.places.iter();
+                    let places: Vec<Place> =
+                        places.map(|(s, place_m)| (since(s), *place_m)).collect();
+                    tied::turns(at, point_m, &places)
+                }
+                None => {
+                    let turns = readings.turns.iter();
+                    turns
+                        .map(|(acted_s, turn)| (since(acted_s), *turn))
+                        .collect()
+                }
+            };
+            let found = tied::state(at, &turns, &state).unwrap_or(state);
+            fits.push(vec![ArcFit::of(found, 0.0)]);
+            continue;
         }
         if let Some(lever_m) = &readings.lever_m {
             let since = |(acted_s, place_m): &Place| (time_line.at(*acted_s) - epoch_s, *place_m);

@@ -21,6 +21,7 @@ pub mod readings;
 mod rebound;
 mod roll;
 mod swing;
+mod tied;
 pub mod tree;
 pub mod turn;
 mod twirl;

@@ -114,6 +114,14 @@ impl<const N: usize> Jet3<N> {
         }
     }
 
+    /// One of its components.
+    pub fn component(self, axis: usize) -> Jet<N> {
+        Jet {
+            value: self.value[axis],
+            by: self.by.row(axis).into_owned(),
+        }
+    }
+
     /// `M a` with a given matrix.
     pub fn through(self, matrix: &Matrix3<f64>) -> Self {
         Self {

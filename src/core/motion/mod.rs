@@ -60,11 +60,12 @@ pub use reason::{End, Measured, Progress, Reason};
 pub use rest::{Lie, Rest, RestWork};
 pub use sample_time::SampleTime;
 pub use scene::{
-    Against, Axes, BodyPoint, Collision, CollisionError, Combination, Condition, Cone, ContactLaw,
-    Event, EventKind, EventTime, Feature, FreeBody, FreeParameter, Goal, GoalEstimate,
+    Against, AtPivot, Axes, BodyPoint, Collision, CollisionError, Combination, Condition, Cone,
+    ContactLaw, Event, EventKind, EventTime, Feature, FreeBody, FreeParameter, Goal, GoalEstimate,
     GoalQuantity, GoalSet, GoalTarget, GoalUnit, Group, Held, Joint, JointEnd, JointTree, Link,
-    Mechanism, Moment, Obstacle, Partner, Performer, Quantity, RestGoal, Scene, Sees, SupportPhase,
-    Surface, Timing, Together, Touching, Track, TreeTouch, Untold, VelocityGaps, Weighing, Weights,
+    Mechanism, Moment, Obstacle, OnSurface, Partner, Performer, Quantity, RestGoal, Scene, Sees,
+    SupportPhase, SupportedBy, Surface, Timing, Together, Touching, Track, TreeTouch, Untold,
+    VelocityGaps, Weighing, Weights,
 };
 pub use settled::{Settled, SettledLink};
 pub use sketch::{

@@ -1,13 +1,24 @@
-//! What keeps a body on a plane after an impact or from the start, and how it moves there.
+//! What carries a body between two events: a plane on which it stays, or a pivot about which it turns.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
+
+use super::body::Body;
+
+/// What carries a body, and by which law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Support {
+    /// A plane.
+    Plane(PlaneSupport),
+    /// A place that the body does not leave.
+    Pivot(Pivot),
+}
 
 /// A plane on which a body stays, with the law of friction between them.
 ///
 /// The normal force is what keeps the centre of mass at its height: `g_n = −p·n` per mass, of the pull
 /// `p = g + f`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Support {
+pub struct PlaneSupport {
     /// Unit normal `n` of the plane, away from it \[world\].
     pub normal: Vector3<f64>,
     /// How the body moves on it.
@@ -39,6 +50,87 @@ impl Sustained {
             Self::Slide => "slide",
             Self::Roll => "roll",
             Self::Rest => "rest",
+        }
+    }
+}
+
+/// A point of a body that stays where it is, and how the body turns about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pivot {
+    /// The point [m, body].
+    pub at_m: Vector3<f64>,
+    /// About what it turns.
+    pub axes: PivotAxes,
+    /// Moment against each rate of turning [N m s].
+    pub damping_n_m_s: f64,
+}
+
+impl Pivot {
+    /// Inertia per mass about it, `I/m + |r|² − r rᵀ` \[m²\], of a body whose centre of mass is at `r` from it.
+    pub fn inertia_m2(&self, body: &Body) -> Matrix3<f64> {
+        let r = -self.at_m;
+        Matrix3::from_diagonal(&(body.moments_kg_m2() / body.mass_kg()))
+            + Matrix3::identity() * r.norm_squared()
+            - r * r.transpose()
+    }
+}
+
+/// What the impulse of a pivot makes of the motion about it.
+#[derive(Clone, Copy, Debug)]
+pub struct Caught {
+    /// The centre of mass from the pivot [m, body].
+    pub lever_m: Vector3<f64>,
+    /// Moments of inertia per mass about the centre of mass \[m²\].
+    pub inertia_m2: Vector3<f64>,
+    /// Angular velocity of an angular momentum about the pivot per mass \[1/m²\].
+    pub mobility_per_m2: Matrix3<f64>,
+}
+
+impl Caught {
+    /// Of what turns about a pivot; `None` of any other body.
+    pub fn by(body: &Body) -> Option<Self> {
+        let Some(Support::Pivot(pivot)) = body.support() else {
+            return None;
+        };
+        Some(Self {
+            lever_m: -pivot.at_m,
+            inertia_m2: body.moments_kg_m2() / body.mass_kg(),
+            mobility_per_m2: pivot.axes.mobility(&pivot.inertia_m2(body)),
+        })
+    }
+}
+
+/// About what a body at a pivot turns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PivotAxes {
+    /// Any axis, as at a ball joint.
+    All,
+    /// An axis that stays, a unit vector in body axes, as at a pin.
+    One(Vector3<f64>),
+    /// None: it is held still.
+    None,
+}
+
+impl PivotAxes {
+    /// The part of an angular velocity that it allows [body axes].
+    pub fn allowed(&self) -> Matrix3<f64> {
+        match self {
+            Self::All => Matrix3::identity(),
+            Self::One(axis) => axis * axis.transpose(),
+            Self::None => Matrix3::zeros(),
+        }
+    }
+
+    /// What a moment about the pivot makes of a body whose inertia about that is this one: its angular acceleration,
+    /// without what the pivot itself bears.
+    ///
+    /// # Panics
+    /// Where the inertia is not positive definite.
+    pub fn mobility(&self, inertia: &Matrix3<f64>) -> Matrix3<f64> {
+        match self {
+            Self::All => inertia.try_inverse().expect("an inertia"),
+            Self::One(axis) => self.allowed() / axis.dot(&(inertia * axis)),
+            Self::None => Matrix3::zeros(),
         }
     }
 }

@@ -78,7 +78,7 @@ fn flight(
     let gravity = world.estimate.gravity_m_s2;
     let pull = body.pull_m_s2(&gravity);
     if support.is_some() {
-        // Friction takes energy and momentum, and gives none.
+        // Friction takes energy and momentum, and gives none; what a pivot bears does no work.
         let potential = -body.mass_kg() * pull.dot(&(end.position_m - start.position_m));
         let (before, after) = (kinetic_j(body, start), kinetic_j(body, end));
         let gained = (after + potential - before).max(0.0);

@@ -52,11 +52,20 @@ fn of_arc(
     slips.into_iter().chain(tips)
 }
 
-/// How fast what rests moves, or what rolls slips; zero of what slides.
+/// How fast what rests moves, what rolls slips, or what is tied moves where it is tied; zero of what slides.
 fn slip_m_s(support: &Support, state: &State, reach_m: f64) -> f64 {
     let spin = state.orientation * state.angular_velocity_rad_s;
-    let n = support.normal;
-    match (support.sustained, support.radius_m) {
+    let plane = match support {
+        Support::Plane(plane) => plane,
+        Support::Pivot(pivot) => {
+            let omega = state.angular_velocity_rad_s;
+            let borne = omega - pivot.axes.allowed() * omega;
+            let moving = state.velocity_m_s + spin.cross(&(state.orientation * pivot.at_m));
+            return moving.norm() + borne.norm() * reach_m;
+        }
+    };
+    let n = plane.normal;
+    match (plane.sustained, plane.radius_m) {
         (Sustained::Slide, _) => 0.0,
         (Sustained::Roll, radius_m) => {
             let slip = state.velocity_m_s - spin.cross(&n) * radius_m.unwrap_or(0.0);
@@ -66,7 +75,7 @@ fn slip_m_s(support: &Support, state: &State, reach_m: f64) -> f64 {
     }
 }
 
-/// How far beyond its outline what lies flat would have to be pressed \[m\]; zero of a ball.
+/// How far beyond its outline what lies flat would have to be pressed \[m\]; zero of a ball, and at a pivot.
 fn off_m(
     world: &World,
     link: &MovingLink,
@@ -74,14 +83,14 @@ fn off_m(
     support: &Support,
     time_s: f64,
 ) -> f64 {
-    if support.radius_m.is_some() {
-        return 0.0;
-    }
+    let n = match support {
+        Support::Plane(plane) if plane.radius_m.is_none() => plane.normal,
+        _ => return 0.0,
+    };
     let body = world.scene.body_on(arc);
     let gravity = world.estimate.gravity_m_s2;
     let state = link.state(arc, time_s);
     let rate: StateTangent = flow::rate(&body, &gravity, &state);
-    let n = support.normal;
     let pull = body.pull_m_s2(&gravity);
     let acceleration: Vector3<f64> = rate.fixed_rows::<3>(part::VELOCITY).into();
     let turning: Vector3<f64> = rate.fixed_rows::<3>(part::ANGULAR_VELOCITY).into();

@@ -9,6 +9,7 @@
 //! be what was acted; [`joined`] checks what is checked of joined bodies.
 
 mod balance;
+mod bound;
 mod carried;
 pub mod credible;
 mod expected;
@@ -25,6 +26,7 @@ mod series;
 mod shot;
 #[cfg(test)]
 mod tests;
+mod tied;
 mod touch;
 mod whole;
 

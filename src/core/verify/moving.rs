@@ -2,14 +2,12 @@
 
 use nalgebra::Vector3;
 
+use super::bound::SpeedBound;
 use super::link::JoinedLink;
 use crate::motion::held::HeldEstimate;
 use crate::motion::{ArcEstimate, Estimate, Link, LinkIndex, Scene};
 use crate::physics::shape::Solid;
-use crate::physics::{Body, State, flow};
-
-/// Moments closer than this, relative to the largest, are treated as equal in the bound.
-const APART: f64 = 1e-6;
+use crate::physics::{State, flow};
 
 /// A link of the scene, its solid, and its arcs in order of time.
 pub(super) struct MovingLink<'a> {
@@ -94,16 +92,10 @@ impl<'a> MovingLink<'a> {
         if let Some(joined) = &self.joined {
             return joined.speed_bound_m_s(self.radius_m);
         }
-        // |v| is largest at an end: where it stands still its second derivative is positive, as
-        // |p|² > (p·v)²/v² there, with drag as without.
-        let speed_at = |time_s| self.state(arc, time_s).velocity_m_s.norm();
-        // On a support the angular velocity is linear in time.
-        let spin_at = |time_s| self.state(arc, time_s).angular_velocity_rad_s.norm();
-        let spin = match arc.support {
-            Some(_) => spin_at(from_s).max(spin_at(to_s)),
-            None => spin_bound_rad_s(&self.of_scene.body, &arc.state.angular_velocity_rad_s),
-        };
-        speed_at(from_s).max(speed_at(to_s)) + spin * self.radius_m
+        let ends = [from_s, to_s].map(|time_s| self.state(arc, time_s));
+        let body = &self.of_scene.body;
+        let bound = SpeedBound::new(body, &self.gravity_m_s2, arc, &ends, to_s - from_s);
+        bound.speed_m_s + bound.spin_rad_s * self.radius_m
     }
 }
 
@@ -131,55 +123,4 @@ fn between_collisions(
         certainty: None,
     });
     pieces.collect()
-}
-
-/// Largest `|ω|` of the free rotation through a given `ω`.
-///
-/// Energy and angular momentum fix the two sums `Σ I_i ω_i²` and `Σ I_i² ω_i²`; on the rest,
-/// `Σ ω_i²` is linear in one unknown and largest where one of the three is zero, or at the given
-/// `ω`.
-pub(super) fn spin_bound_rad_s(body: &Body, omega: &Vector3<f64>) -> f64 {
-    let moments = body.moments_kg_m2();
-    let squares = omega.component_mul(omega);
-    let twice_energy = moments.dot(&squares);
-    let momentum_squared = moments.component_mul(&moments).dot(&squares);
-    let mut largest = squares.sum();
-    for axis in 0..3 {
-        let (a, b) = (moments[(axis + 1) % 3], moments[(axis + 2) % 3]);
-        if (a - b).abs() <= APART * moments.max() {
-            continue;
-        }
-        let of_a = (momentum_squared - b * twice_energy) / (a * (a - b));
-        let of_b = (momentum_squared - a * twice_energy) / (b * (b - a));
-        if of_a >= 0.0 && of_b >= 0.0 {
-            largest = largest.max(of_a + of_b);
-        }
-    }
-    largest.sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::verify::series;
-
-    #[test]
-    fn no_free_turn_spins_faster_than_its_bound() {
-        for moments in [[3.0, 2.0, 2.0], [1.0, 9.0, 9.0], [2.0, 2.0, 2.0]] {
-            let body = Body::new(1.0, Vector3::from(moments)).unwrap();
-            let state = State {
-                position_m: Vector3::zeros(),
-                orientation: nalgebra::UnitQuaternion::identity(),
-                velocity_m_s: Vector3::zeros(),
-                angular_velocity_rad_s: Vector3::new(0.3, 2.0, -1.0),
-            };
-            let bound = spin_bound_rad_s(&body, &state.angular_velocity_rad_s);
-            let largest = (0..100)
-                .map(|k| series::advance(&body, &Vector3::zeros(), &state, 0.05 * k as f64))
-                .map(|state| state.angular_velocity_rad_s.norm())
-                .fold(0.0, f64::max);
-            assert!(largest <= bound * (1.0 + 1e-9), "{largest} {bound}");
-            assert!(bound <= largest * (1.0 + 1e-6), "{largest} {bound}");
-        }
-    }
 }

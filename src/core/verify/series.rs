@@ -10,7 +10,8 @@
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-use crate::physics::{Body, State, Support, Sustained};
+use super::tied;
+use crate::physics::{Body, PlaneSupport, State, Support, Sustained};
 
 /// Order of the series.
 const ORDER: usize = 16;
@@ -39,8 +40,14 @@ pub(super) fn advance(
     state: &State,
     duration_s: f64,
 ) -> State {
-    if let Some(support) = body.support() {
-        return supported(body, &support, gravity_m_s2, state, duration_s);
+    match body.support() {
+        Some(Support::Plane(plane)) => {
+            return supported(body, &plane, gravity_m_s2, state, duration_s);
+        }
+        Some(Support::Pivot(pivot)) => {
+            return tied::advance(body, &pivot, gravity_m_s2, state, duration_s);
+        }
+        None => {}
     }
     let (position_m, velocity_m_s) = fall(body, gravity_m_s2, state, duration_s);
     let mut now = State {
@@ -64,11 +71,11 @@ pub(super) fn advance(
     now
 }
 
-/// On a support, force by force: what friction does to a ball at its lowest point, or to what lies flat, by the
+/// On a plane, force by force: what friction does to a ball at its lowest point, or to what lies flat, by the
 /// midpoint rule.
 fn supported(
     body: &Body,
-    support: &Support,
+    support: &PlaneSupport,
     gravity_m_s2: &Vector3<f64>,
     state: &State,
     duration_s: f64,
@@ -216,12 +223,12 @@ mod tests {
         ];
         for (sustained, radius_m) in cases {
             for normal in [Vector3::z(), Vector3::new(0.1, -0.2, 1.0).normalize()] {
-                let support = Support {
+                let support = Support::Plane(PlaneSupport {
                     normal,
                     sustained,
                     friction: 0.25,
                     radius_m,
-                };
+                });
                 let body = Body::new(0.2, moments[usize::from(radius_m.is_none())]).unwrap();
                 let body = body.with_support(Some(support));
                 let gravity = Vector3::new(0.0, 0.0, -9.81);

@@ -10,9 +10,9 @@ use typed_index_collections::TiVec;
 use super::gap::Gaps;
 use super::law::CheckedLaw;
 use super::meeting::World;
-use super::series;
+use super::{series, tied};
 use crate::motion::{Deviation, EventEstimate, LinkIndex, SingleShot};
-use crate::physics::State;
+use crate::physics::{State, Support};
 
 /// Velocity gaps above these are violations of the law, not rounding.
 const GAP_M_S: f64 = 1e-6;
@@ -64,6 +64,7 @@ pub(super) fn shoot<'w>(world: &'w World<'w>) -> SingleShot {
         if let Some(link) = world.scene.events[event.event].kind.change() {
             shot.advance(link, event.time_s);
             shot.compare(link, Some(event.event), event.time_s);
+            shot.catch(link, event.time_s);
         }
     }
     shot.end();
@@ -106,6 +107,17 @@ impl FreeShot<'_> {
             for link in links {
                 self.restart(link, event.time_s);
             }
+        }
+    }
+
+    /// Ends what a pivot does not allow, where one catches the body.
+    fn catch(&mut self, index: LinkIndex, time_s: f64) {
+        let link = &self.world.links[index];
+        let arc = link.starting_at(time_s);
+        if let (Some(flight), Some(Support::Pivot(pivot))) =
+            (&mut self.flights[index], arc.and_then(|arc| arc.support))
+        {
+            flight.state = tied::caught(&link.of_scene.body, &pivot, &flight.state);
         }
     }
 

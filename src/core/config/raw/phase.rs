@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::value::{Number, Text};
 
-/// A body stays on a surface from one event to another: it slides, rolls or rests (docs/phases.md).
+/// A body stays on a surface from one event to another: it slides, rolls or rests; or it is held still (docs/phases.md).
 ///
 /// ```toml
 /// [[event]]
@@ -50,8 +50,8 @@ pub(in crate::config) struct RawPhase {
     pub(in crate::config) motion: Text,
     /// The body.
     pub(in crate::config) body: Text,
-    /// What it stays on: a plane, a board or a face.
-    pub(in crate::config) surface: Text,
+    /// What it stays on: a plane, a board or a face. Default: it is held still where it is, with motion = "rest".
+    pub(in crate::config) surface: Option<Text>,
     /// The face on which it lies. Default: a ball has none.
     pub(in crate::config) feature: Option<Text>,
     /// Coefficient of friction of what slides, by default that of the body; of what rolls, its deceleration on a

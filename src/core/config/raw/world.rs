@@ -104,4 +104,15 @@ pub(in crate::config) struct RawJoint {
     pub(in crate::config) stiffness_n_m: Option<Number>,
     /// Least and greatest angle about each axis. Default: none.
     pub(in crate::config) limits_deg: Option<Spanned<Vec<[f64; 2]>>>,
+    /// The event from which on it ties: a start, or a change at which it catches (docs/phases.md). Default: the start, where `until` is given.
+    pub(in crate::config) from: Option<Text>,
+    /// The event at which it lets go. Default: the end, where `from` is given.
+    pub(in crate::config) until: Option<Text>,
+}
+
+impl RawJoint {
+    /// Whether it ties for a part of the time.
+    pub(in crate::config) fn is_for_a_while(&self) -> bool {
+        self.from.is_some() || self.until.is_some()
+    }
 }

@@ -4,8 +4,17 @@
 //! ```text
 //! q⁺ ⊟ q⁻ = 0,   ρ⁻ = 0
 //! ```
+//!
+//! Where a pivot catches it, place and orientation go on, and by the impulse of the pivot alone, of which there is no
+//! moment about it, the velocities are (`r`, `J` and what else there is: `physics/flow/supported/pivoting.rs`)
+//!
+//! ```text
+//! ω⁺ = M (I ω⁻ + m r × R⁻ᵀ v⁻),   v⁺ = R⁺ (ω⁺ × r)
+//! ```
+//!
+//! with `M = J⁻¹`, `a aᵀ/(aᵀJa)` about an axis, zero where it is held still.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::kind::{At, Constraint, Filled};
 use super::rows::STATE;
@@ -16,7 +25,9 @@ use crate::estimate::unknowns::layout::Layout;
 use crate::math::so3;
 use crate::motion::Gap;
 use crate::optimise::block::{Block, BlockPattern};
+use crate::physics::State;
 use crate::physics::state::{StateTangent, part};
+use crate::physics::support::Caught;
 
 /// One unit of each part of a state.
 const UNITS: [f64; 4] = [
@@ -83,16 +94,20 @@ impl ArcChange {
         let reach =
             |arc: usize| GeneralArrival::new(problem, at.point, arc, at.epochs_s[arc], time_s);
         let (before, after) = (reach(self.sides.before)?, reach(self.sides.after)?);
-        let gap = after.end.state.minus(&before.end.state);
+        let mut gap = after.end.state.minus(&before.end.state);
         let turn: Vector3<f64> = gap.fixed_rows::<3>(part::ORIENTATION).into();
         let right = so3::right_jacobian_inverse(&turn);
-        let with_turn = |block: nalgebra::Matrix3<f64>| {
+        let with_turn = |block: Matrix3<f64>| {
             let mut by = ByStates::identity();
             by.fixed_view_mut::<3, 3>(part::ORIENTATION, part::ORIENTATION)
                 .copy_from(&block);
             by
         };
-        let [by_before, by_after] = [-with_turn(right.transpose()), with_turn(right)];
+        let [mut by_before, mut by_after] = [-with_turn(right.transpose()), with_turn(right)];
+        if let Some(caught) = &self.caught {
+            let ends = [&before.end.state, &after.end.state];
+            caught.set(ends, &mut gap, [&mut by_before, &mut by_after]);
+        }
         let mut columns: Vec<StateTangent> = Vec::new();
         let push = |columns: &mut Vec<StateTangent>, by: ByStates| {
             columns.extend(by.column_iter().map(|column| column.into_owned()));
@@ -133,3 +148,56 @@ impl ArcChange {
         Some(())
     }
 }
+
+impl Caught {
+    /// Sets the rows of the velocities.
+    fn set(
+        &self,
+        [before, after]: [&State; 2],
+        gap: &mut StateTangent,
+        [by_before, by_after]: [&mut ByStates; 2],
+    ) {
+        let (r, of) = (so3::hat(&self.lever_m), self.mobility_per_m2);
+        let inertia = Matrix3::from_diagonal(&self.inertia_m2);
+        let [from_before, to_world] = [
+            so3::matrix(&before.orientation).transpose(),
+            so3::matrix(&after.orientation),
+        ];
+        let velocity = from_before * before.velocity_m_s;
+        let momentum = inertia * before.angular_velocity_rad_s + r * velocity;
+        let moving = after.angular_velocity_rad_s.cross(&self.lever_m);
+        let slip = after.velocity_m_s - to_world * moving;
+        let turning = after.angular_velocity_rad_s - of * momentum;
+        gap.fixed_rows_mut::<3>(part::VELOCITY).copy_from(&slip);
+        gap.fixed_rows_mut::<3>(part::ANGULAR_VELOCITY)
+            .copy_from(&turning);
+        let put = |to: &mut ByStates, row: usize, column: usize, block: Matrix3<f64>| {
+            to.fixed_view_mut::<3, 3>(row, column).copy_from(&block);
+        };
+        put(by_before, part::VELOCITY, part::VELOCITY, Matrix3::zeros());
+        put(
+            by_after,
+            part::VELOCITY,
+            part::ORIENTATION,
+            to_world * so3::hat(&moving),
+        );
+        put(
+            by_after,
+            part::VELOCITY,
+            part::ANGULAR_VELOCITY,
+            to_world * r,
+        );
+        let (row, turned) = (part::ANGULAR_VELOCITY, -of * r);
+        put(
+            by_before,
+            row,
+            part::ORIENTATION,
+            turned * so3::hat(&velocity),
+        );
+        put(by_before, row, part::VELOCITY, turned * from_before);
+        put(by_before, row, part::ANGULAR_VELOCITY, -of * inertia);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -9,20 +9,28 @@
 //! v = 0,  ω = 0                                                     what rests
 //! ```
 //!
+//! and at a pivot, with the place `P`, the body's point `p` and the axis, `a` in the body and `A` in the world,
+//!
+//! ```text
+//! x + R p − P = 0,   v + R (ω × p) = 0                              its point stays
+//! t·R a = 0,   b·ω = 0                                              at a pin, with the tangents `t` of `A`, `b` of `a`
+//! ```
+//!
 //! All of them hold along the arc where they hold at one of its moments.
 
-use nalgebra::{RowSVector, Vector3};
+use nalgebra::{Matrix3, RowSVector, Vector3};
 
 use super::kind::{At, Constraint, Filled};
 use super::rows::STATE;
-use crate::estimate::problem::{ArcSupport, Problem, unit};
+use crate::estimate::problem::{ArcSupport, FlatFace, Problem, SupportPlace, unit};
 use crate::estimate::unknowns::layout::Layout;
 use crate::math::so3;
 use crate::motion::Gap;
 use crate::optimise::block::{Block, BlockPattern};
 use crate::physics::contact::Feature;
 use crate::physics::state::part;
-use crate::physics::{State, Support, Sustained};
+use crate::physics::support::{Pivot, PivotAxes};
+use crate::physics::{PlaneSupport, State, Support, Sustained};
 
 /// A row with its unit and its derivatives by the state.
 struct SupportRow {
@@ -75,85 +83,180 @@ impl Constraint for ArcSupport {
 impl ArcSupport {
     fn rows(&self, problem: &Problem, state: &State) -> Vec<SupportRow> {
         let support = problem.body_of(self.arc).support();
-        let Support {
-            normal,
-            sustained,
-            radius_m,
-            ..
-        } = support.expect("an arc on a support");
-        let tangents = Feature::tangents(&normal);
-        let to_world = so3::matrix(&state.orientation);
-        let turned = |axis: &Vector3<f64>| -to_world * so3::hat(axis);
-        let height_m = normal.dot(&(state.position_m - self.point_m));
-        let mut rows = Vec::new();
-        let mut push = |value: f64, unit: f64, parts: &[(usize, RowSVector<f64, 3>)]| {
-            let mut by_state = RowSVector::<f64, STATE>::zeros();
-            for (at, by) in parts {
-                by_state.fixed_columns_mut::<3>(*at).copy_from(by);
+        let mut rows = SupportRows::of(state);
+        match (self.at, support.expect("an arc on a support")) {
+            (SupportPlace::Plane { point_m, face }, Support::Plane(plane)) => {
+                rows.on_plane(&plane, &point_m, face.as_ref());
             }
-            rows.push(SupportRow {
-                value,
-                unit,
-                by_state,
-            });
-        };
-        let up = normal.transpose();
-        match &self.face {
-            None => {
-                let off_m = height_m - radius_m.unwrap_or(0.0);
-                push(off_m, unit::POSITION_M, &[(part::POSITION, up)]);
-            }
-            Some(face) => {
-                let off_m = height_m + normal.dot(&(to_world * face.point_m));
-                let parts = [
-                    (part::POSITION, up),
-                    (part::ORIENTATION, up * turned(&face.point_m)),
-                ];
-                push(off_m, unit::POSITION_M, &parts);
-                let out = to_world * face.normal;
-                for along in &tangents {
-                    let by = along.transpose() * turned(&face.normal);
-                    let parts = [(part::ORIENTATION, by)];
-                    push(along.dot(&out), unit::ORIENTATION_RAD, &parts);
+            (SupportPlace::Pivot { place_m, axis }, Support::Pivot(pivot)) => {
+                rows.placed(&pivot, place_m, axis);
+                if !self.is_caught {
+                    rows.turning(&pivot);
                 }
             }
+            (place, support) => panic!("{support:?} at {place:?}"),
+        }
+        rows.rows
+    }
+}
+
+/// The rows of one state.
+struct SupportRows<'a> {
+    state: &'a State,
+    to_world: Matrix3<f64>,
+    rows: Vec<SupportRow>,
+}
+
+impl<'a> SupportRows<'a> {
+    fn of(state: &'a State) -> Self {
+        Self {
+            state,
+            to_world: so3::matrix(&state.orientation),
+            rows: Vec::new(),
+        }
+    }
+
+    fn push(&mut self, value: f64, unit: f64, parts: &[(usize, RowSVector<f64, 3>)]) {
+        let mut by_state = RowSVector::<f64, STATE>::zeros();
+        for (at, by) in parts {
+            by_state.fixed_columns_mut::<3>(*at).copy_from(by);
+        }
+        self.rows.push(SupportRow {
+            value,
+            unit,
+            by_state,
+        });
+    }
+
+    /// `∂(R a)/∂δ` of a vector in body axes.
+    fn turned(&self, axis: &Vector3<f64>) -> Matrix3<f64> {
+        -self.to_world * so3::hat(axis)
+    }
+
+    /// That it stands still.
+    fn still(&mut self) {
+        for axis in 0..3 {
+            let row = Vector3::ith(axis, 1.0).transpose();
+            let State {
+                velocity_m_s,
+                angular_velocity_rad_s,
+                ..
+            } = *self.state;
+            let parts = [(part::VELOCITY, row)];
+            self.push(velocity_m_s[axis], unit::VELOCITY_M_S, &parts);
+            let parts = [(part::ANGULAR_VELOCITY, row)];
+            let turning = angular_velocity_rad_s[axis];
+            self.push(turning, unit::ANGULAR_VELOCITY_RAD_S, &parts);
+        }
+    }
+
+    /// That an axis of the body is along one of the world.
+    fn along(&mut self, of_body: &Vector3<f64>, of_world: &Vector3<f64>) {
+        let here = self.to_world * of_body;
+        for across in Feature::tangents(of_world) {
+            let by = across.transpose() * self.turned(of_body);
+            let parts = [(part::ORIENTATION, by)];
+            self.push(across.dot(&here), unit::ORIENTATION_RAD, &parts);
+        }
+    }
+
+    /// Where the pivot is.
+    fn placed(&mut self, pivot: &Pivot, place_m: Option<Vector3<f64>>, axis: Option<Vector3<f64>>) {
+        let state = self.state;
+        let point_m = state.position_m + self.to_world * pivot.at_m;
+        if let Some(place_m) = place_m {
+            for axis in 0..3 {
+                let row = Vector3::ith(axis, 1.0).transpose();
+                let parts = [
+                    (part::POSITION, row),
+                    (part::ORIENTATION, row * self.turned(&pivot.at_m)),
+                ];
+                self.push(point_m[axis] - place_m[axis], unit::POSITION_M, &parts);
+            }
+        }
+        if let (PivotAxes::One(of_body), Some(of_world)) = (pivot.axes, axis) {
+            self.along(&of_body, &of_world);
+        }
+    }
+
+    /// How a body moves at a pivot.
+    fn turning(&mut self, pivot: &Pivot) {
+        if pivot.axes == PivotAxes::None {
+            self.still();
+            return;
+        }
+        let state = self.state;
+        let moving = state.angular_velocity_rad_s.cross(&pivot.at_m);
+        let velocity = state.velocity_m_s + self.to_world * moving;
+        for axis in 0..3 {
+            let row = Vector3::ith(axis, 1.0).transpose();
+            let parts = [
+                (part::ORIENTATION, row * self.turned(&moving)),
+                (part::VELOCITY, row),
+                (part::ANGULAR_VELOCITY, row * self.turned(&pivot.at_m)),
+            ];
+            self.push(velocity[axis], unit::VELOCITY_M_S, &parts);
+        }
+        if let PivotAxes::One(axis) = pivot.axes {
+            for across in Feature::tangents(&axis) {
+                let parts = [(part::ANGULAR_VELOCITY, across.transpose())];
+                let turning = across.dot(&state.angular_velocity_rad_s);
+                self.push(turning, unit::ANGULAR_VELOCITY_RAD_S, &parts);
+            }
+        }
+    }
+
+    fn on_plane(&mut self, plane: &PlaneSupport, point_m: &Vector3<f64>, face: Option<&FlatFace>) {
+        let PlaneSupport {
+            normal, radius_m, ..
+        } = *plane;
+        let state = self.state;
+        let height_m = normal.dot(&(state.position_m - point_m));
+        let up = normal.transpose();
+        match face {
+            None => {
+                let off_m = height_m - radius_m.unwrap_or(0.0);
+                self.push(off_m, unit::POSITION_M, &[(part::POSITION, up)]);
+            }
+            Some(face) => {
+                let off_m = height_m + normal.dot(&(self.to_world * face.point_m));
+                let parts = [
+                    (part::POSITION, up),
+                    (part::ORIENTATION, up * self.turned(&face.point_m)),
+                ];
+                self.push(off_m, unit::POSITION_M, &parts);
+                self.along(&face.normal, &normal);
+            }
+        }
+        if plane.sustained == Sustained::Rest {
+            self.still();
+            return;
         }
         let (velocity, omega) = (state.velocity_m_s, state.angular_velocity_rad_s);
-        let spin = to_world * omega;
-        if sustained == Sustained::Rest {
-            for axis in 0..3 {
-                let unit_row = Vector3::ith(axis, 1.0).transpose();
-                let parts = [(part::VELOCITY, unit_row)];
-                push(velocity[axis], unit::VELOCITY_M_S, &parts);
-                let parts = [(part::ANGULAR_VELOCITY, unit_row)];
-                push(omega[axis], unit::ANGULAR_VELOCITY_RAD_S, &parts);
-            }
-            return rows;
-        }
-        push(
-            normal.dot(&velocity),
-            unit::VELOCITY_M_S,
-            &[(part::VELOCITY, up)],
-        );
-        for along in &tangents {
+        let spin = self.to_world * omega;
+        let parts = [(part::VELOCITY, up)];
+        self.push(normal.dot(&velocity), unit::VELOCITY_M_S, &parts);
+        for along in Feature::tangents(&normal) {
             let along = along.transpose();
-            if self.face.is_some() {
+            if face.is_some() {
                 let parts = [
-                    (part::ORIENTATION, along * turned(&omega)),
-                    (part::ANGULAR_VELOCITY, along * to_world),
+                    (part::ORIENTATION, along * self.turned(&omega)),
+                    (part::ANGULAR_VELOCITY, along * self.to_world),
                 ];
-                push((along * spin)[0], unit::ANGULAR_VELOCITY_RAD_S, &parts);
-            } else if sustained == Sustained::Roll {
+                self.push((along * spin)[0], unit::ANGULAR_VELOCITY_RAD_S, &parts);
+            } else if plane.sustained == Sustained::Roll {
                 let lever = so3::hat(&normal) * radius_m.unwrap_or(0.0);
                 let slip = velocity + lever * spin;
                 let parts = [
-                    (part::ORIENTATION, along * lever * turned(&omega)),
+                    (part::ORIENTATION, along * lever * self.turned(&omega)),
                     (part::VELOCITY, along),
-                    (part::ANGULAR_VELOCITY, along * lever * to_world),
+                    (part::ANGULAR_VELOCITY, along * lever * self.to_world),
                 ];
-                push((along * slip)[0], unit::VELOCITY_M_S, &parts);
+                self.push((along * slip)[0], unit::VELOCITY_M_S, &parts);
             }
         }
-        rows
     }
 }
+
+#[cfg(test)]
+mod tests;

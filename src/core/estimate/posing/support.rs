@@ -2,10 +2,11 @@
 
 use super::{friction, gravity};
 use crate::estimate::problem::influence::Acting;
-use crate::estimate::problem::{Arc, ArcChange, ArcPair, ArcSupport, FlatFace};
-use crate::motion::{EventKind, Scene};
-use crate::physics::Sustained;
+use crate::estimate::problem::{Arc, ArcChange, ArcPair, ArcSupport, FlatFace, SupportPlace};
+use crate::motion::{EventKind, Scene, SupportedBy};
 use crate::physics::contact::Feature;
+use crate::physics::support::Caught;
+use crate::physics::{Support, Sustained};
 
 /// The changes of phases. `arcs` have the parameters of their friction.
 pub(super) fn changes(
@@ -23,7 +24,10 @@ pub(super) fn changes(
         };
         let before = arc_with(&|arc| arc.end == Some(event))?;
         let after = arc_with(&|arc| arc.start == Some(event))?;
-        let sustained = |arc: usize| Some(arcs[arc].body.support()?.sustained);
+        let sustained = |arc: usize| match arcs[arc].body.support()? {
+            Support::Plane(plane) => Some(plane.sustained),
+            Support::Pivot(_) => None,
+        };
         let slip_ends = match (sustained(before), sustained(after)) {
             (Some(Sustained::Slide), Some(after)) => after != Sustained::Slide,
             (Some(Sustained::Roll), Some(after)) => after == Sustained::Rest,
@@ -44,32 +48,48 @@ pub(super) fn changes(
                 after,
             },
             slip_ends,
+            caught: Caught::by(&arcs[after].body),
             acting,
         })
     });
     changes.collect()
 }
 
-/// What holds on arcs that begin on a support with the performance.
+/// What holds on arcs that begin on a support with the performance, or at a pivot.
 pub(super) fn supports(scene: &Scene, arcs: &[Arc]) -> Vec<ArcSupport> {
     let begun = arcs.iter().enumerate().filter_map(|(index, arc)| {
         let phase = scene.phase_between(arc.mechanism, [arc.start, arc.end])?;
         let from = phase.events[0];
-        let begins = scene.events[from].kind == EventKind::Start && arc.start == Some(from);
-        begins.then_some((index, phase))
+        let is_start = scene.events[from].kind == EventKind::Start;
+        let begins = arc.start == Some(from) && (is_start || phase.on_surface().is_none());
+        begins.then_some((index, phase, !is_start))
     });
-    let supports = begun.map(|(arc, phase)| {
-        let Feature::Face { point_m, .. } = scene.surfaces[phase.surface].geometry else {
+    let supports = begun.map(|(arc, phase, is_caught)| {
+        let on = match &phase.by {
+            SupportedBy::Surface(on) => on,
+            SupportedBy::Pivot(at) => {
+                return ArcSupport {
+                    arc,
+                    is_caught,
+                    at: SupportPlace::Pivot {
+                        place_m: at.place_m,
+                        axis: at.axis,
+                    },
+                };
+            }
+        };
+        let Feature::Face { point_m, .. } = scene.surfaces[on.surface].geometry else {
             panic!("a phase on a plane");
         };
-        let own = scene.links[phase.link].features[phase.feature].geometry;
+        let own = scene.links[phase.link].features[on.feature].geometry;
+        let face = match own {
+            Feature::Face { point_m, normal } => Some(FlatFace { point_m, normal }),
+            _ => None,
+        };
         ArcSupport {
             arc,
-            point_m,
-            face: match own {
-                Feature::Face { point_m, normal } => Some(FlatFace { point_m, normal }),
-                _ => None,
-            },
+            is_caught,
+            at: SupportPlace::Plane { point_m, face },
         }
     });
     supports.collect()

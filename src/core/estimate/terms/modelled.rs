@@ -12,7 +12,7 @@ use crate::math::{Pose, so3};
 use crate::motion::TrackIndex;
 use crate::physics::contact::Contact;
 use crate::physics::impact::ContactSet;
-use crate::physics::{Body, Drag, Support};
+use crate::physics::{Body, Drag, PlaneSupport, Support};
 
 /// How a tracker is mounted, corrected by parameters.
 #[derive(Clone, Copy, Debug)]
@@ -70,11 +70,13 @@ impl Problem {
         let friction = self.arcs[arc].friction_parameter;
         let support = body.support().zip(friction);
         Some(match support {
-            Some((support, parameter)) => body.with_support(Some(Support {
-                friction: parameters[parameter],
-                ..support
-            })),
-            None => body,
+            Some((Support::Plane(plane), parameter)) => {
+                body.with_support(Some(Support::Plane(PlaneSupport {
+                    friction: parameters[parameter],
+                    ..plane
+                })))
+            }
+            _ => body,
         })
     }
 

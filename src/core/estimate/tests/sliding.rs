@@ -1,7 +1,7 @@
 //! What slides after an impact.
 
 use super::*;
-use crate::motion::SupportPhase;
+use crate::motion::{OnSurface, SupportPhase, SupportedBy};
 use crate::physics::Sustained;
 
 /// The rod lands flat, with friction, and slides on.
@@ -20,10 +20,12 @@ pub(super) fn sliding(timing: Timing) -> Scene {
     scene.phases.push(SupportPhase {
         name: "sliding".into(),
         link: LinkIndex(0),
-        sustained: Sustained::Slide,
-        surface: 0,
-        feature,
-        law: LAW,
+        by: SupportedBy::Surface(OnSurface {
+            sustained: Sustained::Slide,
+            surface: 0,
+            feature,
+            law: LAW,
+        }),
         events: [0, 1],
     });
     scene

@@ -1,15 +1,36 @@
-//! Phases in which a body stays on a surface.
+//! Phases in which something carries a body.
+
+use nalgebra::Vector3;
 
 use crate::motion::index::{ContactLawIndex, LinkIndex};
 use crate::physics::Sustained;
+use crate::physics::support::Pivot;
 
-/// A body stays on a plane between two events.
+/// A body is carried between two events.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SupportPhase {
     /// Unique name.
     pub name: String,
     /// The body.
     pub link: LinkIndex,
+    /// By what.
+    pub by: SupportedBy,
+    /// The events at which it begins and ends.
+    pub events: [usize; 2],
+}
+
+/// What carries a body in a phase.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SupportedBy {
+    /// A surface on which it stays.
+    Surface(OnSurface),
+    /// A place of the world that a point of it does not leave.
+    Pivot(AtPivot),
+}
+
+/// How a body stays on a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OnSurface {
     /// How it moves.
     pub sustained: Sustained,
     /// What it is on (index into `Scene::surfaces`): a plane.
@@ -18,6 +39,43 @@ pub struct SupportPhase {
     pub feature: usize,
     /// Its friction.
     pub law: ContactLawIndex,
-    /// The events at which it begins and ends.
-    pub events: [usize; 2],
+}
+
+/// How a body turns about a place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AtPivot {
+    /// Its point, and the axis about which it turns.
+    pub pivot: Pivot,
+    /// The place [m, world]; `None`: where the body is then.
+    pub place_m: Option<Vector3<f64>>,
+    /// A unit vector along the axis \[world\], where there is one.
+    pub axis: Option<Vector3<f64>>,
+}
+
+impl SupportPhase {
+    /// How it stays on a surface; `None` at a pivot.
+    pub fn on_surface(&self) -> Option<&OnSurface> {
+        match &self.by {
+            SupportedBy::Surface(on) => Some(on),
+            SupportedBy::Pivot(_) => None,
+        }
+    }
+
+    /// The friction that counts in it.
+    pub fn friction_law(&self) -> Option<ContactLawIndex> {
+        let on = self.on_surface()?;
+        (on.sustained != Sustained::Rest).then_some(on.law)
+    }
+
+    /// What the body does, as a word of a sentence.
+    pub fn verb(&self) -> &'static str {
+        match &self.by {
+            SupportedBy::Surface(on) => match on.sustained {
+                Sustained::Slide => "slides",
+                Sustained::Roll => "rolls",
+                Sustained::Rest => "rests",
+            },
+            SupportedBy::Pivot(_) => "is tied to the world",
+        }
+    }
 }

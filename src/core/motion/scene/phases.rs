@@ -1,11 +1,11 @@
 //! Which phase a mechanism is in, and what supports it there.
 
-use super::phase::SupportPhase;
+use super::phase::{SupportPhase, SupportedBy};
 use super::whole::Scene;
 use crate::motion::estimate::{ArcEstimate, EventEstimate};
 use crate::motion::index::MechanismIndex;
 use crate::physics::contact::Feature;
-use crate::physics::{Body, Support};
+use crate::physics::{Body, PlaneSupport, Support};
 
 impl Scene {
     /// The phase in which a mechanism is between two of its events that follow each other; `None` of a flight.
@@ -54,19 +54,23 @@ impl Scene {
     /// # Panics
     /// Of a surface that is no plane: `config` refuses it.
     pub fn support(&self, phase: &SupportPhase) -> Support {
-        let Feature::Face { normal, .. } = self.surfaces[phase.surface].geometry else {
+        let on = match &phase.by {
+            SupportedBy::Surface(on) => on,
+            SupportedBy::Pivot(at) => return Support::Pivot(at.pivot),
+        };
+        let Feature::Face { normal, .. } = self.surfaces[on.surface].geometry else {
             panic!("a phase on a plane");
         };
-        let radius_m = match self.links[phase.link].features[phase.feature].geometry {
+        let radius_m = match self.links[phase.link].features[on.feature].geometry {
             Feature::Point { radius_m, .. } => Some(radius_m),
             _ => None,
         };
-        Support {
+        Support::Plane(PlaneSupport {
             normal,
-            sustained: phase.sustained,
-            friction: self.contact_laws[phase.law].friction,
+            sustained: on.sustained,
+            friction: self.contact_laws[on.law].friction,
             radius_m,
-        }
+        })
     }
 
     /// The equations of motion of a mechanism between two of its events that follow each other.

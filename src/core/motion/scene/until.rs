@@ -29,7 +29,7 @@ impl Scene {
             let collisions = scene.events.iter().filter_map(|of| of.kind.collision());
             let mut phases = scene.phases.iter();
             collisions.into_iter().any(|collision| collision.law == law)
-                || phases.any(|phase| phase.law == law)
+                || phases.any(|phase| phase.on_surface().is_some_and(|on| on.law == law))
         };
         let is_told = |quantity: Quantity| match quantity {
             Quantity::Restitution { law } | Quantity::Friction { law } => has(law),

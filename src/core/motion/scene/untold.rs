@@ -8,7 +8,6 @@ use super::goal::GoalTarget;
 use super::quantity::Quantity;
 use super::whole::{Scene, Timing};
 use crate::motion::index::{ContactLawIndex, LinkIndex};
-use crate::physics::Sustained;
 use crate::physics::body::Symmetry;
 
 /// Why no performance of a scene can tell a quantity.
@@ -186,7 +185,7 @@ impl Scene {
     /// Whether a phase has the law, and the law counts in it.
     fn has_phase_of(&self, law: ContactLawIndex) -> bool {
         let mut phases = self.phases.iter();
-        phases.any(|phase| phase.law == law && phase.sustained != Sustained::Rest)
+        phases.any(|phase| phase.friction_law() == Some(law))
     }
 
     /// Whether phases take the quantity for what the scene says.
@@ -199,7 +198,7 @@ impl Scene {
             | Quantity::Moment { link, .. }
             | Quantity::Centre { link, .. } => phases.any(|phase| phase.link == link),
             Quantity::SurfaceHeight { surface } | Quantity::SurfaceTilt { surface, .. } => {
-                phases.any(|phase| phase.surface == surface)
+                phases.any(|phase| phase.on_surface().is_some_and(|on| on.surface == surface))
             }
             Quantity::Tilt { event, .. } => phases.any(|phase| phase.events[0] == event),
             Quantity::Restitution { law } => phases.any(|phase| {

@@ -13,7 +13,7 @@
 //! - three different: Taylor series of Euler's equations, step by step (`asymmetric`, whose
 //!   series are in `series`).
 //!
-//! What is supported by a plane slides, rolls or rests on it (`supported`).
+//! What is supported by a plane slides, rolls or rests on it, and what is tied to a place turns about that (`supported`).
 //!
 //! Both rotations are exact to rounding for durations of either sign, and agree where moments become equal.
 //! Derivatives are by right perturbations. Those of any rotation by the moments are series too

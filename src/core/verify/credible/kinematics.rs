@@ -2,8 +2,7 @@
 
 use super::flights::{CredibleFlight, FlightSample};
 use crate::motion::{About, Doubt, Estimate, Place, Scene, Timing};
-use crate::physics::flow;
-use crate::verify::moving::spin_bound_rad_s;
+use crate::verify::bound::spin_bound_rad_s;
 
 /// Greatest speed of a point of a body [m/s].
 pub(in crate::verify) const SPEED_M_S: f64 = 80.0;
@@ -18,6 +17,8 @@ const HASTE: f64 = 2.5;
 /// The same bounds for one flight.
 const FLIGHT_SLOWNESS: f64 = 16.0;
 const FLIGHT_HASTE: f64 = 3.0;
+/// Number of intervals of what a support carries.
+const MOMENTS: usize = 64;
 /// Least number of samples of a flight to check its tempo.
 const LEAST: usize = 4;
 
@@ -27,29 +28,24 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[CredibleFlig
         let arc = flight.arc;
         let link = scene.free_link(arc.mechanism);
         let link = &scene.links[link];
-        let spin_rad_s = match arc.support {
-            Some(_) => [arc.start_s, arc.end_s]
-                .map(|time_s| {
-                    let then = scene.flown(arc, &estimate.gravity_m_s2, time_s);
-                    then.angular_velocity_rad_s.norm()
-                })
-                .into_iter()
-                .fold(0.0, f64::max),
-            None => spin_bound_rad_s(&link.body, &arc.state.angular_velocity_rad_s),
-        };
-        // |v| is largest at an end, with drag as without.
-        let speed_at = |time_s: f64| {
-            let since_s = time_s - arc.epoch_s;
-            flow::velocity(
-                &scene.body_on(arc),
-                &estimate.gravity_m_s2,
-                &arc.state,
-                since_s,
-            )
-            .norm()
-        };
+        // Of what is carried bounds are wide: it is looked at, moment by moment.
+        let moments = if arc.support.is_some() { MOMENTS } else { 1 };
+        let step_s = (arc.end_s - arc.start_s) / moments as f64;
+        let states = (0..=moments).map(|at| {
+            let time_s = arc.start_s + at as f64 * step_s;
+            scene.flown(arc, &estimate.gravity_m_s2, time_s)
+        });
+        let [mut speed_m_s, mut spin_rad_s] = [0.0_f64; 2];
+        for state in states {
+            speed_m_s = speed_m_s.max(state.velocity_m_s.norm());
+            spin_rad_s = spin_rad_s.max(state.angular_velocity_rad_s.norm());
+        }
+        if arc.support.is_none() {
+            // |v| is largest at an end, with drag as without.
+            spin_rad_s = spin_bound_rad_s(&link.body, &arc.state.angular_velocity_rad_s);
+        }
         let radius_m = link.radius_m();
-        let speed_m_s = speed_at(arc.start_s).max(speed_at(arc.end_s)) + spin_rad_s * radius_m;
+        let speed_m_s = speed_m_s + spin_rad_s * radius_m;
         let way = way(flight, radius_m);
         doubts.extend(Doubt::beyond(
             About::Speed,

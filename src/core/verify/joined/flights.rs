@@ -2,9 +2,9 @@
 
 use super::{RESIDUAL, in_weights};
 use crate::motion::{About, Doubt, Estimate, Place, Scene};
+use crate::verify::bound::spin_bound_rad_s;
 use crate::verify::credible::kinematics::{SPEED_M_S, SPIN_RAD_S};
 use crate::verify::meeting::World;
-use crate::verify::moving::spin_bound_rad_s;
 
 /// Doubts about each flight.
 pub(super) fn doubts(scene: &Scene, world: &World, estimate: &Estimate) -> Vec<Doubt> {

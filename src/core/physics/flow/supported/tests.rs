@@ -3,6 +3,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::*;
 use crate::math::differentiate;
 use crate::physics::flow;
+use crate::physics::state::{StateTangent, part};
+use crate::physics::support::{Pivot, PivotAxes};
+use crate::physics::{PlaneSupport, Sustained};
 
 const GRAVITY: Vector3<f64> = Vector3::new(0.1, 0.2, -9.81);
 const RADIUS_M: f64 = 0.03;
@@ -14,12 +17,12 @@ fn body(sustained: Sustained, is_ball: bool, normal: Vector3<f64>) -> Body {
         true => Vector3::repeat(0.4 * 0.2 * RADIUS_M * RADIUS_M),
         false => Vector3::new(3e-4, 4e-4, 6e-4),
     };
-    let support = Support {
+    let support = Support::Plane(PlaneSupport {
         normal: normal.normalize(),
         sustained,
         friction: FRICTION,
         radius_m: is_ball.then_some(RADIUS_M),
-    };
+    });
     Body::new(0.2, moments).unwrap().with_support(Some(support))
 }
 
@@ -41,7 +44,22 @@ fn kinds() -> Vec<Body> {
         }
         all.push(body(Sustained::Roll, true, normal));
     }
+    let axis = Vector3::new(0.3, -0.8, 0.2).normalize();
+    for axes in [PivotAxes::All, PivotAxes::One(axis), PivotAxes::None] {
+        all.push(pivoting(axes));
+    }
     all
+}
+
+/// A body at a pivot.
+fn pivoting(axes: PivotAxes) -> Body {
+    let pivot = Pivot {
+        at_m: Vector3::new(0.02, -0.05, 0.31),
+        axes,
+        damping_n_m_s: 3e-3,
+    };
+    let body = Body::new(0.2, Vector3::new(3e-4, 4e-4, 6e-4)).unwrap();
+    body.with_support(Some(Support::Pivot(pivot)))
 }
 
 #[test]
@@ -55,10 +73,14 @@ fn derivatives_are_those_of_differences() {
             let moved = |x: &[f64]| {
                 let start = state().retract(&StateTangent::from_column_slice(&x[..12]));
                 let gravity = GRAVITY + Vector3::new(x[12], x[13], x[14]);
-                let body = body.with_support(Some(Support {
-                    friction: FRICTION + x[15],
-                    ..support
-                }));
+                let changed = match support {
+                    Support::Plane(plane) => Support::Plane(PlaneSupport {
+                        friction: FRICTION + x[15],
+                        ..plane
+                    }),
+                    pivot => pivot,
+                };
+                let body = body.with_support(Some(changed));
                 let carried = Supported::new(&body, &gravity, &start)
                     .unwrap()
                     .carried(s + x[16]);
@@ -88,7 +110,7 @@ fn derivatives_are_those_of_differences() {
                         _ => carried.rate[row],
                     };
                     // Nothing slips of what rests.
-                    if row == 12 && support.sustained == Sustained::Rest {
+                    if row == 12 && is_still(&support) {
                         continue;
                     }
                     let found = 10.0 * numeric[row][column];
@@ -101,6 +123,14 @@ fn derivatives_are_those_of_differences() {
                 }
             }
         }
+    }
+}
+
+/// Whether nothing slips.
+fn is_still(support: &Support) -> bool {
+    match support {
+        Support::Plane(plane) => plane.sustained == Sustained::Rest,
+        Support::Pivot(_) => true,
     }
 }
 
@@ -170,4 +200,37 @@ fn grids_do_not_show_on_a_slope() {
             off.fixed_rows::<3>(part::POSITION).norm() + off.fixed_rows::<3>(part::VELOCITY).norm();
         assert!(off < 2e-3, "{:?}: {off:e}", body.support());
     }
+}
+
+#[test]
+fn a_pendulum_keeps_its_energy_and_its_place() {
+    let at_m = Vector3::new(0.0, 0.0, 0.25);
+    let pivot = Pivot {
+        at_m,
+        axes: PivotAxes::One(Vector3::y()),
+        damping_n_m_s: 0.0,
+    };
+    let body = Body::new(0.5, Vector3::new(2e-3, 3e-3, 1e-3)).unwrap();
+    let body = body.with_support(Some(Support::Pivot(pivot)));
+    let gravity = Vector3::new(0.0, 0.0, -9.81);
+    let start = State {
+        position_m: Vector3::new(0.25, 0.0, 1.0),
+        orientation: UnitQuaternion::from_scaled_axis(Vector3::y() * -1.5),
+        velocity_m_s: Vector3::zeros(),
+        angular_velocity_rad_s: Vector3::zeros(),
+    };
+    let place_m = |state: &State| state.position_m + state.orientation * at_m;
+    let energy = |state: &State| {
+        let turning = 0.5 * (3e-3 + 0.5 * 0.0625) * state.angular_velocity_rad_s.y.powi(2);
+        turning + 0.5 * 9.81 * state.position_m.z
+    };
+    let mut supported = Supported::new(&body, &gravity, &start).unwrap();
+    let mut most_rad_s: f64 = 0.0;
+    for step in 1..100 {
+        let now = supported.at(0.07 * f64::from(step));
+        assert!((place_m(&now) - place_m(&start)).norm() < 1e-12);
+        assert!((energy(&now) - energy(&start)).abs() < 1e-10);
+        most_rad_s = most_rad_s.max(now.angular_velocity_rad_s.norm());
+    }
+    assert!(most_rad_s > 5.0);
 }
