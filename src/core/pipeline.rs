@@ -14,6 +14,7 @@ mod groups;
 mod infer;
 mod joined;
 mod keep_out;
+mod kink;
 mod led;
 mod outcome;
 mod perform;

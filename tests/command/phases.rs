@@ -1,5 +1,6 @@
 //! Phases through the program: their truth is made by forces in small steps.
 
+use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -293,6 +294,60 @@ fn a_box_slides_and_turns_until_it_rests() {
         );
         let of = &said["parameters"]["sliding.friction"];
         assert_within(of, "value", "sd", friction, 0.02, "sliding");
+    }
+}
+
+/// A cylinder of 15 mm that rolls until it rests: its samples, when it stops, and when they end.
+fn rolled(speed_m_s: f64, friction: f64, seed: u64) -> (String, [f64; 2]) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut samples = Samples::default();
+    let (radius_m, yaw) = (0.015, random.random_range(0.0..6.0));
+    let about_z = UnitQuaternion::from_scaled_axis(Vector3::z() * yaw);
+    let (axis, way) = (about_z * Vector3::x(), about_z * Vector3::y());
+    let laid = UnitQuaternion::from_scaled_axis(Vector3::y() * FRAC_PI_2);
+    let stops_s = speed_m_s / (friction * GRAVITY_M_S2);
+    let end_s = stops_s + 0.3;
+    for step in 0..=(end_s / STEP_S) as usize {
+        let now_s = step as f64 * STEP_S;
+        if step % 800 == 0 {
+            let rolling_s = now_s.min(stops_s);
+            let slowed_m_s = 0.5 * friction * GRAVITY_M_S2 * rolling_s;
+            let way_m = (speed_m_s - slowed_m_s) * rolling_s;
+            let position_m = Vector3::z() * radius_m + way * way_m;
+            let rolled = UnitQuaternion::from_scaled_axis(axis * (-way_m / radius_m));
+            let orientation = rolled * about_z * laid;
+            samples.add(now_s, &position_m, &orientation, &mut random);
+        }
+    }
+    (samples.csv, [stops_s, end_s - 0.01])
+}
+
+#[test]
+fn a_cylinder_rolls_until_it_rests_and_its_friction_is_told() {
+    let mut random = ChaCha8Rng::seed_from_u64(9600);
+    let cylinder = "{ kind = \"cylinder\", length_mm = 90, radius_mm = 15 }";
+    for seed in 0..4 {
+        let folder = tempfile::tempdir().expect("a folder");
+        let speed_m_s = random.random_range(0.3..0.8);
+        let friction = random.random_range(0.012..0.06);
+        let (csv, [stops_s, end_s]) = rolled(speed_m_s, friction, 9601 + seed);
+        let side = "feature = \"side\"\n";
+        let roll = phase(
+            "rolling",
+            "roll",
+            &format!("{side}friction = 0.03\n"),
+            ["go", "change"],
+        );
+        let rest = phase("lying", "rest", side, ["change", "end"]);
+        let free = "[[free]]\nquantity = \"rolling.friction\"\n";
+        let scene = scene(cylinder, &format!("{roll}{rest}{free}"));
+        let mark_s = stops_s + random.random_range(-0.03..0.03);
+        let marks = [(0.0, "go"), (mark_s, "change"), (end_s, "end")];
+        let said = replayed(folder.path(), &scene, &csv, &marks);
+        assert_eq!(said["verdict"], "physical", "{said}");
+        assert_eq!(said["fits"], "yes", "{said}");
+        let found = &said["parameters"]["rolling.friction"];
+        assert_within(found, "value", "sd", friction, 1e-3, "friction");
     }
 }
 

@@ -27,10 +27,9 @@ pub(super) fn phases(
         taken.take("phase", &of.name, &name)?;
         let link = carried(&of.body, scene)?;
         let by = match &of.surface {
-            Some(surface) => {
-                let on = (surface, name.as_str(), link);
-                SupportedBy::Surface(on_surface::on_surface(spanned, on, scene, of_links, laws)?)
-            }
+            Some(surface) => SupportedBy::Surface(on_surface::on_surface(
+                spanned, surface, &name, link, scene, of_links, laws,
+            )?),
             None => SupportedBy::Pivot(pivot::still(spanned)?),
         };
         let ends = [Some(&of.from), Some(&of.until)];

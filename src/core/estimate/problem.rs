@@ -314,8 +314,6 @@ pub enum SupportPlace {
     Plane {
         /// A point of the plane [m, world].
         point_m: Vector3<f64>,
-        /// The face that lies on it; `None` of a ball.
-        face: Option<FlatFace>,
     },
     /// At a pivot.
     Pivot {
@@ -324,15 +322,6 @@ pub enum SupportPlace {
         /// Along the axis about which the body turns, where there is one \[world\].
         axis: Option<Vector3<f64>>,
     },
-}
-
-/// A face of a body.
-#[derive(Clone, Copy, Debug)]
-pub struct FlatFace {
-    /// A point of it \[m, body\].
-    pub point_m: Vector3<f64>,
-    /// Its normal, out of the body \[body\].
-    pub normal: Vector3<f64>,
 }
 
 /// A held body at one of its collisions.

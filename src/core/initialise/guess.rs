@@ -7,7 +7,7 @@ use super::fit::ArcFit;
 use super::readings::Readings;
 use super::turn::{self, OrientationReading};
 use super::{carried, crossing, keyed, open_times, pointing, roll, swing, tied, unseen};
-use crate::motion::{Guess, Observer, Scene, Segment, Sketch, SupportedBy, Timing};
+use crate::motion::{Guess, Observer, Quantity, Scene, Segment, Sketch, SupportedBy, Timing};
 use crate::physics::State;
 
 /// Greatest number of choices of fits.
@@ -72,6 +72,8 @@ pub fn guess(
     };
     let rates = rates(scene, segments, &readings, &middle_s, known);
     let time_line = GuessedTimes::new(scene, sketch, segments, &rates);
+    let parameters = scene.parameters.iter().map(|free| free.initial);
+    let mut parameters: Vec<f64> = parameters.collect();
     let mut fit_iterations = 0;
     let mut fits: Vec<Vec<ArcFit>> = Vec::new();
     let mut arcs = Vec::new();
@@ -130,15 +132,22 @@ pub fn guess(
         let turns = readings.turns.iter();
         let turns = turns.map(|(acted_s, turn)| (time_line.at(*acted_s) - epoch_s, *turn));
         let turns: Vec<OrientationReading> = turns.collect();
-        if let (Some(_), Some((orientation, angular_velocity_rad_s))) =
-            (phase, carried::turn(&turns))
-        {
+        if let Some((phase, turn)) = phase.zip(carried::turn(&turns)) {
             let state = State {
-                orientation,
-                angular_velocity_rad_s,
+                orientation: turn.orientation,
+                angular_velocity_rad_s: turn.angular_velocity_rad_s,
                 ..state
             };
             fits.push(vec![ArcFit::of(state, 0.0)]);
+            let law = phase.friction_law();
+            let free = law.and_then(|law| scene.parameter_of(Quantity::Friction { law }));
+            let body = scene.body_between(segment.mechanism, segment.ends());
+            let pull_m_s2 = body.pull_m_s2(&scene.gravity_m_s2);
+            let told = carried::friction(&body, &pull_m_s2, &turn, &state.velocity_m_s);
+            if let Some((free, told)) = free.zip(told).filter(|_| known.is_some()) {
+                let of = &scene.parameters[free];
+                parameters[free] = told.clamp(of.lower, of.upper);
+            }
             continue;
         }
         let turn = turn::fit(body, &turns);
@@ -172,7 +181,7 @@ pub fn guess(
     let guess = Guess {
         arcs,
         event_times_s: marks_s.map(|mark_s| time_line.at(*mark_s)).collect(),
-        parameters: scene.parameters.iter().map(|free| free.initial).collect(),
+        parameters,
     };
     let is_pointed = readings.iter().any(|of| of.pointed.is_some());
     let most = if is_pointed {

@@ -44,8 +44,9 @@ pub(super) fn state(at: &AtPivot, turns: &[OrientationReading], straight: &State
         .unwrap_or(middle)
         .max(middle + NEAR_LEAST / 2)
         .min(turns.len() - 1);
-    let (mut orientation, turning) = carried::turn(&turns[first..=last])?;
-    let angular_velocity_rad_s = pivot.axes.allowed() * turning;
+    let turn = carried::turn(&turns[first..=last])?;
+    let mut orientation = turn.orientation;
+    let angular_velocity_rad_s = pivot.axes.allowed() * turn.angular_velocity_rad_s;
     if let (PivotAxes::One(axis), Some(of_world)) = (pivot.axes, at.axis) {
         orientation = so3::between(&(orientation * axis), &of_world) * orientation;
     }

@@ -20,4 +20,4 @@ pub use body::{Body, BodyError};
 pub use drag::Drag;
 pub use shape::{Shape, ShapeError};
 pub use state::State;
-pub use support::{PlaneSupport, Support, Sustained};
+pub use support::{OnPlane, PlaneSupport, Support, Sustained};

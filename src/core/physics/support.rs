@@ -25,8 +25,42 @@ pub struct PlaneSupport {
     pub sustained: Sustained,
     /// Coefficient of friction `μ` of what slides, or of rolling friction of what rolls; no other has one.
     pub friction: f64,
-    /// Radius of a ball \[m\]; `None` of what lies flat.
-    pub radius_m: Option<f64>,
+    /// What of the body is on it.
+    pub touching: OnPlane,
+}
+
+/// What of a body is on a plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OnPlane {
+    /// A ball about its centre of mass.
+    Ball {
+        /// Its radius \[m\].
+        radius_m: f64,
+    },
+    /// The side of a cylinder about its axis of symmetry.
+    Side {
+        /// Its radius \[m\].
+        radius_m: f64,
+        /// A unit vector along the axis \[body\].
+        axis: Vector3<f64>,
+    },
+    /// A flat face.
+    Face {
+        /// A point of it [m, body].
+        point_m: Vector3<f64>,
+        /// Its unit normal, out of the body \[body\].
+        normal: Vector3<f64>,
+    },
+}
+
+impl OnPlane {
+    /// The radius of what rolls \[m\].
+    pub fn radius_m(&self) -> Option<f64> {
+        match self {
+            Self::Ball { radius_m } | Self::Side { radius_m, .. } => Some(*radius_m),
+            Self::Face { .. } => None,
+        }
+    }
 }
 
 /// How a body moves on what supports it.

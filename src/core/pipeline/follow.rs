@@ -8,6 +8,7 @@
 use std::ops::Range;
 
 use super::infer::Inferred;
+use super::kink;
 use super::stages::Cut;
 use super::warm::{self, Known};
 use crate::estimate::{self, Recipe, Solved};
@@ -96,11 +97,15 @@ impl<'a> Acted<'a> {
         let segments = known.segments;
         let map = TimeMap::new(&known.estimate.sample_times, sketch.origin)?;
         let events = known.estimate.events.iter();
+        let events_s = events.map(|of| {
+            let shown_s = kink::caught_s(known, scene, sketch, of.event);
+            map.acted_s(shown_s.unwrap_or(of.time_s))
+        });
         let acted = Self {
             scene,
             sketch,
             segments,
-            events_s: events.map(|event| map.acted_s(event.time_s)).collect(),
+            events_s: events_s.collect(),
         };
         let mut all = segments.iter();
         let is_wrong = all.any(|segment| {

@@ -53,7 +53,7 @@ impl SpeedBound {
         let along = (pull_m_s2 + n * pressed).norm();
         let friction = plane.friction * pressed;
         let least = body.moments_kg_m2().min() / body.mass_kg();
-        let [straight, turning] = match (plane.sustained, plane.radius_m) {
+        let [straight, turning] = match (plane.sustained, plane.touching.radius_m()) {
             (Sustained::Rest, _) => [0.0, 0.0],
             (Sustained::Slide, Some(radius_m)) => [along + friction, friction * radius_m / least],
             (Sustained::Slide, None) => [along + friction, friction / least.sqrt()],

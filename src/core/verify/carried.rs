@@ -18,7 +18,7 @@ use crate::motion::{About, ArcEstimate, Doubt, Place};
 use crate::physics::impact::Impact;
 use crate::physics::shape::Solid;
 use crate::physics::state::{StateTangent, part};
-use crate::physics::{State, Support, Sustained, flow};
+use crate::physics::{OnPlane, State, Support, Sustained, flow};
 
 /// Greatest speed of what rests, and slip of what rolls, that is attributed to gaps of the motion [m/s].
 const SLIP_MOST_M_S: f64 = 1e-3;
@@ -65,11 +65,17 @@ fn slip_m_s(support: &Support, state: &State, reach_m: f64) -> f64 {
         }
     };
     let n = plane.normal;
-    match (plane.sustained, plane.radius_m) {
+    match (plane.sustained, plane.touching.radius_m()) {
         (Sustained::Slide, _) => 0.0,
         (Sustained::Roll, radius_m) => {
             let slip = state.velocity_m_s - spin.cross(&n) * radius_m.unwrap_or(0.0);
-            (slip - n * n.dot(&slip)).norm()
+            let turned = match plane.touching {
+                OnPlane::Side { axis, .. } => {
+                    spin - state.orientation * axis * axis.dot(&state.angular_velocity_rad_s)
+                }
+                _ => Vector3::zeros(),
+            };
+            (slip - n * n.dot(&slip)).norm() + turned.norm() * reach_m
         }
         (Sustained::Rest, _) => state.velocity_m_s.norm() + spin.norm() * reach_m,
     }
@@ -84,7 +90,7 @@ fn off_m(
     time_s: f64,
 ) -> f64 {
     let n = match support {
-        Support::Plane(plane) if plane.radius_m.is_none() => plane.normal,
+        Support::Plane(plane) if plane.touching.radius_m().is_none() => plane.normal,
         _ => return 0.0,
     };
     let body = world.scene.body_on(arc);

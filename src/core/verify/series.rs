@@ -11,7 +11,7 @@
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::tied;
-use crate::physics::{Body, PlaneSupport, State, Support, Sustained};
+use crate::physics::{Body, OnPlane, PlaneSupport, State, Support, Sustained};
 
 /// Order of the series.
 const ORDER: usize = 16;
@@ -91,9 +91,18 @@ fn supported(
     let gyration_m = normal_in_body
         .dot(&per_mass.component_mul(&normal_in_body))
         .sqrt();
+    // A cylinder rolls across its axis alone, which stays as it is.
+    let (way, about_m2) = match support.touching {
+        OnPlane::Side { axis, .. } => {
+            let way = n.cross(&(state.orientation * axis));
+            (Some(way), axis.dot(&per_mass.component_mul(&axis)))
+        }
+        _ => (None, per_mass.x),
+    };
+    let taken = |of: Vector3<f64>| way.map_or(of, |way| way * way.dot(&of));
     // Accelerations of the centre of mass and about it \[world\].
     let forced = |velocity: &Vector3<f64>, spin: &Vector3<f64>| {
-        let arm = support.radius_m.map(|radius_m| n * -radius_m);
+        let arm = support.touching.radius_m().map(|radius_m| n * -radius_m);
         let level = velocity - n * n.dot(velocity);
         let (slip, yaw) = match arm {
             Some(arm) => (level + spin.cross(&arm), 0.0),
@@ -111,8 +120,9 @@ fn supported(
                 (along + slip * per_slip, about)
             }
             (Sustained::Roll, arm) => {
-                let radius_m = support.radius_m.unwrap_or(f64::INFINITY);
-                let share = 1.0 / (1.0 + per_mass.x / (radius_m * radius_m));
+                let radius_m = support.touching.radius_m().unwrap_or(f64::INFINITY);
+                let share = 1.0 / (1.0 + about_m2 / (radius_m * radius_m));
+                let [along, level] = [along, level].map(taken);
                 let speed_m_s = level.norm().max(f64::MIN_POSITIVE);
                 let push = along * share - level * (support.friction * pressure / speed_m_s);
                 let turning = arm.map_or(Vector3::zeros(), |_| n.cross(&push) / radius_m);
@@ -214,33 +224,45 @@ mod tests {
 
     #[test]
     fn friction_does_what_the_flow_says() {
-        let moments = [Vector3::repeat(7e-5), Vector3::new(3e-4, 4e-4, 6e-4)];
+        let ball = OnPlane::Ball { radius_m: 0.03 };
+        let side = OnPlane::Side {
+            radius_m: 0.03,
+            axis: Vector3::x(),
+        };
+        let face = OnPlane::Face {
+            point_m: Vector3::new(0.0, 0.0, -0.03),
+            normal: -Vector3::z(),
+        };
         let cases = [
-            (Sustained::Slide, Some(0.03)),
-            (Sustained::Slide, None),
-            (Sustained::Roll, Some(0.03)),
-            (Sustained::Rest, None),
+            (Sustained::Slide, ball, Vector3::repeat(7e-5)),
+            (Sustained::Slide, face, Vector3::new(3e-4, 4e-4, 6e-4)),
+            (Sustained::Roll, ball, Vector3::repeat(7e-5)),
+            (Sustained::Roll, side, Vector3::new(9e-5, 4e-4, 4e-4)),
+            (Sustained::Rest, face, Vector3::new(3e-4, 4e-4, 6e-4)),
         ];
-        for (sustained, radius_m) in cases {
+        for (sustained, touching, moments) in cases {
             for normal in [Vector3::z(), Vector3::new(0.1, -0.2, 1.0).normalize()] {
                 let support = Support::Plane(PlaneSupport {
                     normal,
                     sustained,
                     friction: 0.25,
-                    radius_m,
+                    touching,
                 });
-                let body = Body::new(0.2, moments[usize::from(radius_m.is_none())]).unwrap();
+                let body = Body::new(0.2, moments).unwrap();
                 let body = body.with_support(Some(support));
                 let gravity = Vector3::new(0.0, 0.0, -9.81);
                 let across = |of: Vector3<f64>| of - normal * normal.dot(&of);
                 let level = UnitQuaternion::rotation_between(&Vector3::z(), &normal);
-                let velocity_m_s = across(Vector3::new(1.5, 0.7, 0.0));
-                let spin = match (sustained, radius_m) {
+                let orientation = level.unwrap_or_default();
+                let velocity_m_s = match touching {
+                    OnPlane::Side { axis, .. } => normal.cross(&(orientation * axis)) * 1.5,
+                    _ => across(Vector3::new(1.5, 0.7, 0.0)),
+                };
+                let spin = match (sustained, touching.radius_m()) {
                     (Sustained::Roll, Some(radius_m)) => normal.cross(&velocity_m_s) / radius_m,
                     (_, Some(_)) => Vector3::new(3.0, -7.0, 5.0),
                     _ => normal * 5.0,
                 };
-                let orientation = level.unwrap_or_default();
                 let at_rest = sustained == Sustained::Rest;
                 let moving = if at_rest { 0.0 } else { 1.0 };
                 let start = State {

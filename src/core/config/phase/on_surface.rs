@@ -19,13 +19,14 @@ const CENTRED_M: f64 = 1e-6;
 /// How a body stays on the surface that is meant. Appends the law of a phase that has its own.
 pub(super) fn on_surface(
     spanned: &Spanned<RawPhase>,
-    of: (&Text, &str, LinkIndex),
+    text: &Text,
+    name: &str,
+    link: LinkIndex,
     scene: &Scene,
     of_links: &BodyLaws,
     laws: &mut Laws,
 ) -> Result<OnSurface, Fault> {
     let raw = spanned.get_ref();
-    let (text, name, link) = of;
     let names = scene.surfaces.iter().map(|s| s.name.as_str());
     let surface = index_of("surface", text, names)?;
     let Feature::Face { normal, .. } = scene.surfaces[surface].geometry else {
@@ -88,6 +89,21 @@ fn feature(
             }
         },
     };
+    let is_side = |feature: &Feature| match feature {
+        Feature::Line {
+            point_m,
+            direction,
+            radius_m,
+        } => {
+            let is_round = match of.body.symmetry() {
+                Symmetry::Spherical => true,
+                Symmetry::Axial { axis } => direction[axis].abs() > 1.0 - CENTRED_M,
+                Symmetry::Asymmetric => false,
+            };
+            is_round && *radius_m > 0.0 && point_m.cross(direction).norm() <= CENTRED_M
+        }
+        _ => false,
+    };
     let geometry = &of.features[index].geometry;
     let span = raw.feature.as_ref().map_or(raw.body.span(), Spanned::span);
     match (geometry, sustained) {
@@ -97,9 +113,14 @@ fn feature(
             "a face does not roll, expected motion = \"slide\" or \"rest\"",
         ),
         (Feature::Face { .. }, _) => Ok(index),
+        (side, Sustained::Slide) if is_side(side) => fault(
+            span,
+            "the side of a cylinder rolls or rests, expected motion = \"roll\" or \"rest\"",
+        ),
+        (side, _) if is_side(side) => Ok(index),
         _ => fault(
             span,
-            "expected a face, or a ball whose middle is its centre of mass and whose moments are equal",
+            "expected a face, a ball whose middle is its centre of mass and whose moments are equal, or the side of a cylinder about its axis of symmetry",
         ),
     }
 }
@@ -178,10 +199,12 @@ pub(super) fn check_begin(
             let feature = &scene.links[phase.link].features[on.feature];
             let is_flat = matches!(feature.geometry, Feature::Face { .. });
             let stops = set.is_some_and(|set| set.is_landing()) && on.sustained == Sustained::Rest;
-            if on.sustained != Sustained::Slide && !stops {
+            let grips =
+                !is_flat && on.sustained == Sustained::Roll && scene.law_of(of).friction > 0.0;
+            if on.sustained != Sustained::Slide && !stops && !grips {
                 return fault(
                     raw.from.span(),
-                    "an impact leaves slip, expected motion = \"slide\" from it and a change after that, or a face that lands flat with friction",
+                    "an impact leaves slip, expected motion = \"slide\" from it and a change after that, a face that lands flat with friction, or what rolls where friction ends the slip",
                 );
             }
             if !hits && before.is_none() {

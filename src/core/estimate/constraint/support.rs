@@ -3,9 +3,11 @@
 //!
 //! ```text
 //! n·(x − P) = r             or  n·(x + R p − P) = 0,  t·R f = 0     a ball, a face with normal f
+//! n·R a = 0                                                         the side of a cylinder with the axis a
 //! n·v = 0                                                           it stays there
 //! t·R ω = 0                                                         what lies flat turns about n alone
 //! t·(v − r R ω × n) = 0                                             what rolls does not slip
+//! b·ω = 0                                                           a cylinder rolls about its axis, across `b`
 //! v = 0,  ω = 0                                                     what rests
 //! ```
 //!
@@ -22,7 +24,7 @@ use nalgebra::{Matrix3, RowSVector, Vector3};
 
 use super::kind::{At, Constraint, Filled};
 use super::rows::STATE;
-use crate::estimate::problem::{ArcSupport, FlatFace, Problem, SupportPlace, unit};
+use crate::estimate::problem::{ArcSupport, Problem, SupportPlace, unit};
 use crate::estimate::unknowns::layout::Layout;
 use crate::math::so3;
 use crate::motion::Gap;
@@ -30,7 +32,7 @@ use crate::optimise::block::{Block, BlockPattern};
 use crate::physics::contact::Feature;
 use crate::physics::state::part;
 use crate::physics::support::{Pivot, PivotAxes};
-use crate::physics::{PlaneSupport, State, Support, Sustained};
+use crate::physics::{OnPlane, PlaneSupport, State, Support, Sustained};
 
 /// A row with its unit and its derivatives by the state.
 struct SupportRow {
@@ -85,8 +87,8 @@ impl ArcSupport {
         let support = problem.body_of(self.arc).support();
         let mut rows = SupportRows::of(state);
         match (self.at, support.expect("an arc on a support")) {
-            (SupportPlace::Plane { point_m, face }, Support::Plane(plane)) => {
-                rows.on_plane(&plane, &point_m, face.as_ref());
+            (SupportPlace::Plane { point_m }, Support::Plane(plane)) => {
+                rows.on_plane(&plane, &point_m);
             }
             (SupportPlace::Pivot { place_m, axis }, Support::Pivot(pivot)) => {
                 rows.placed(&pivot, place_m, axis);
@@ -198,62 +200,91 @@ impl<'a> SupportRows<'a> {
             self.push(velocity[axis], unit::VELOCITY_M_S, &parts);
         }
         if let PivotAxes::One(axis) = pivot.axes {
-            for across in Feature::tangents(&axis) {
-                let parts = [(part::ANGULAR_VELOCITY, across.transpose())];
-                let turning = across.dot(&state.angular_velocity_rad_s);
-                self.push(turning, unit::ANGULAR_VELOCITY_RAD_S, &parts);
-            }
+            self.spins_about(&axis);
         }
     }
 
-    fn on_plane(&mut self, plane: &PlaneSupport, point_m: &Vector3<f64>, face: Option<&FlatFace>) {
-        let PlaneSupport {
-            normal, radius_m, ..
-        } = *plane;
+    /// That what touches the plane does.
+    fn on_plane(&mut self, plane: &PlaneSupport, point_m: &Vector3<f64>) {
+        let normal = plane.normal;
         let state = self.state;
         let height_m = normal.dot(&(state.position_m - point_m));
         let up = normal.transpose();
-        match face {
-            None => {
-                let off_m = height_m - radius_m.unwrap_or(0.0);
+        match plane.touching {
+            OnPlane::Ball { radius_m } | OnPlane::Side { radius_m, .. } => {
+                let off_m = height_m - radius_m;
                 self.push(off_m, unit::POSITION_M, &[(part::POSITION, up)]);
             }
-            Some(face) => {
-                let off_m = height_m + normal.dot(&(self.to_world * face.point_m));
+            OnPlane::Face { point_m, normal } => {
+                let off_m = height_m + plane.normal.dot(&(self.to_world * point_m));
                 let parts = [
                     (part::POSITION, up),
-                    (part::ORIENTATION, up * self.turned(&face.point_m)),
+                    (part::ORIENTATION, up * self.turned(&point_m)),
                 ];
                 self.push(off_m, unit::POSITION_M, &parts);
-                self.along(&face.normal, &normal);
+                self.along(&normal, &plane.normal);
             }
+        }
+        if let OnPlane::Side { axis, .. } = plane.touching {
+            let parts = [(part::ORIENTATION, up * self.turned(&axis))];
+            let risen = normal.dot(&(self.to_world * axis));
+            self.push(risen, unit::ORIENTATION_RAD, &parts);
         }
         if plane.sustained == Sustained::Rest {
             self.still();
             return;
         }
-        let (velocity, omega) = (state.velocity_m_s, state.angular_velocity_rad_s);
-        let spin = self.to_world * omega;
         let parts = [(part::VELOCITY, up)];
-        self.push(normal.dot(&velocity), unit::VELOCITY_M_S, &parts);
-        for along in Feature::tangents(&normal) {
-            let along = along.transpose();
-            if face.is_some() {
-                let parts = [
-                    (part::ORIENTATION, along * self.turned(&omega)),
-                    (part::ANGULAR_VELOCITY, along * self.to_world),
-                ];
-                self.push((along * spin)[0], unit::ANGULAR_VELOCITY_RAD_S, &parts);
-            } else if plane.sustained == Sustained::Roll {
-                let lever = so3::hat(&normal) * radius_m.unwrap_or(0.0);
-                let slip = velocity + lever * spin;
-                let parts = [
-                    (part::ORIENTATION, along * lever * self.turned(&omega)),
-                    (part::VELOCITY, along),
-                    (part::ANGULAR_VELOCITY, along * lever * self.to_world),
-                ];
-                self.push((along * slip)[0], unit::VELOCITY_M_S, &parts);
+        let rising_m_s = normal.dot(&state.velocity_m_s);
+        self.push(rising_m_s, unit::VELOCITY_M_S, &parts);
+        match (plane.touching, plane.sustained) {
+            (OnPlane::Face { .. }, _) => self.turns_about(&normal),
+            (of, Sustained::Roll) => {
+                self.rolls(&normal, of.radius_m().unwrap_or(0.0));
+                if let OnPlane::Side { axis, .. } = of {
+                    self.spins_about(&axis);
+                }
             }
+            _ => {}
+        }
+    }
+
+    /// That it turns about a direction of the world alone.
+    fn turns_about(&mut self, normal: &Vector3<f64>) {
+        let omega = self.state.angular_velocity_rad_s;
+        for along in Feature::tangents(normal) {
+            let along = along.transpose();
+            let parts = [
+                (part::ORIENTATION, along * self.turned(&omega)),
+                (part::ANGULAR_VELOCITY, along * self.to_world),
+            ];
+            let turning = (along * self.to_world * omega)[0];
+            self.push(turning, unit::ANGULAR_VELOCITY_RAD_S, &parts);
+        }
+    }
+
+    /// That it turns about an axis of its own alone.
+    fn spins_about(&mut self, axis: &Vector3<f64>) {
+        for across in Feature::tangents(axis) {
+            let parts = [(part::ANGULAR_VELOCITY, across.transpose())];
+            let turning = across.dot(&self.state.angular_velocity_rad_s);
+            self.push(turning, unit::ANGULAR_VELOCITY_RAD_S, &parts);
+        }
+    }
+
+    /// That it does not slip.
+    fn rolls(&mut self, normal: &Vector3<f64>, radius_m: f64) {
+        let omega = self.state.angular_velocity_rad_s;
+        let lever = so3::hat(normal) * radius_m;
+        let slip = self.state.velocity_m_s + lever * (self.to_world * omega);
+        for along in Feature::tangents(normal) {
+            let along = along.transpose();
+            let parts = [
+                (part::ORIENTATION, along * lever * self.turned(&omega)),
+                (part::VELOCITY, along),
+                (part::ANGULAR_VELOCITY, along * lever * self.to_world),
+            ];
+            self.push((along * slip)[0], unit::VELOCITY_M_S, &parts);
         }
     }
 }

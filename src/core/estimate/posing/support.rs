@@ -2,7 +2,7 @@
 
 use super::{friction, gravity};
 use crate::estimate::problem::influence::Acting;
-use crate::estimate::problem::{Arc, ArcChange, ArcPair, ArcSupport, FlatFace, SupportPlace};
+use crate::estimate::problem::{Arc, ArcChange, ArcPair, ArcSupport, SupportPlace};
 use crate::motion::{EventKind, Scene, SupportedBy};
 use crate::physics::contact::Feature;
 use crate::physics::support::Caught;
@@ -81,15 +81,10 @@ pub(super) fn supports(scene: &Scene, arcs: &[Arc]) -> Vec<ArcSupport> {
         let Feature::Face { point_m, .. } = scene.surfaces[on.surface].geometry else {
             panic!("a phase on a plane");
         };
-        let own = scene.links[phase.link].features[on.feature].geometry;
-        let face = match own {
-            Feature::Face { point_m, normal } => Some(FlatFace { point_m, normal }),
-            _ => None,
-        };
         ArcSupport {
             arc,
             is_caught,
-            at: SupportPlace::Plane { point_m, face },
+            at: SupportPlace::Plane { point_m },
         }
     });
     supports.collect()

@@ -5,7 +5,7 @@ use super::whole::Scene;
 use crate::motion::estimate::{ArcEstimate, EventEstimate};
 use crate::motion::index::MechanismIndex;
 use crate::physics::contact::Feature;
-use crate::physics::{Body, PlaneSupport, Support};
+use crate::physics::{Body, OnPlane, PlaneSupport, Support};
 
 impl Scene {
     /// The phase in which a mechanism is between two of its events that follow each other; `None` of a flight.
@@ -61,15 +61,25 @@ impl Scene {
         let Feature::Face { normal, .. } = self.surfaces[on.surface].geometry else {
             panic!("a phase on a plane");
         };
-        let radius_m = match self.links[phase.link].features[on.feature].geometry {
-            Feature::Point { radius_m, .. } => Some(radius_m),
-            _ => None,
+        let touching = match self.links[phase.link].features[on.feature].geometry {
+            Feature::Face { point_m, normal } => OnPlane::Face { point_m, normal },
+            Feature::Line {
+                direction,
+                radius_m,
+                ..
+            } => OnPlane::Side {
+                radius_m,
+                axis: direction,
+            },
+            Feature::Point { radius_m, .. } | Feature::Rim { radius_m, .. } => {
+                OnPlane::Ball { radius_m }
+            }
         };
         Support::Plane(PlaneSupport {
             normal,
             sustained: on.sustained,
             friction: self.contact_laws[on.law].friction,
-            radius_m,
+            touching,
         })
     }
 

@@ -17,21 +17,25 @@ fn state() -> State {
 fn all(state: &State) -> Vec<Vec<SupportRow>> {
     let normal = Vector3::new(0.1, -0.2, 1.0).normalize();
     let point_m = Vector3::new(0.3, 0.1, -0.2);
-    let face = FlatFace {
+    let face = OnPlane::Face {
         point_m: Vector3::new(0.02, -0.01, -0.1),
         normal: Vector3::new(0.2, 0.1, -1.0).normalize(),
     };
+    let side = OnPlane::Side {
+        radius_m: 0.03,
+        axis: Vector3::new(0.1, 0.9, -0.2).normalize(),
+    };
     let mut found = Vec::new();
     for sustained in Sustained::ALL {
-        for face in [None, Some(&face)] {
+        for touching in [OnPlane::Ball { radius_m: 0.03 }, face, side] {
             let plane = PlaneSupport {
                 normal,
                 sustained,
                 friction: 0.3,
-                radius_m: face.is_none().then_some(0.03),
+                touching,
             };
             let mut rows = SupportRows::of(state);
-            rows.on_plane(&plane, &point_m, face);
+            rows.on_plane(&plane, &point_m);
             found.push(rows.rows);
         }
     }
@@ -55,7 +59,7 @@ fn all(state: &State) -> Vec<Vec<SupportRow>> {
 #[test]
 fn derivatives_are_those_of_differences() {
     let counts: Vec<usize> = all(&state()).iter().map(Vec::len).collect();
-    assert_eq!(counts, [2, 6, 4, 6, 7, 9, 6, 10, 6]);
+    assert_eq!(counts, [2, 6, 3, 4, 6, 7, 7, 9, 8, 6, 10, 6]);
     for (kind, rows) in all(&state()).iter().enumerate() {
         let numeric = differentiate::jacobian(rows.len(), STATE, |x| {
             let moved = state().retract(&StateTangent::from_column_slice(x));

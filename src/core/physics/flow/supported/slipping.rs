@@ -8,6 +8,7 @@
 //! ball that slides   u = v_t − r ω × n        G = g_t              k = μ g_n (1 + 1/c),   c = I/(m r²)
 //! flat, slides       u = v_t + a ω_n n        G = g_t              k = μ g_n,             a² = I_n/m
 //! ball that rolls    u = v_t                  G = g_t/(1 + c)      k = μ g_n
+//! cylinder, rolls    u = w (w·v)              G = w (w·g_t)/(1 + c)  k = μ g_n,           w = n × axis
 //! ```
 //!
 //! with the pull's part along the plane, `g_t`, and against it, `g_n`, and the gyration radius `a` about the
@@ -29,13 +30,16 @@ use crate::math::jet::{Jet, Jet3};
 use crate::math::so3;
 use crate::physics::body::Body;
 use crate::physics::state::{State, part};
-use crate::physics::support::{PlaneSupport, Sustained};
+use crate::physics::support::{OnPlane, PlaneSupport, Sustained};
 
 /// Length of a step \[s\]: at 50 rad/s about an axis that turns, the rotation is 1e-8 rad off after a second.
 pub(super) const STEP_S: f64 = 1.0 / 64.0;
 
 /// Slip below which its direction no longer turns on a slope [m/s].
 pub const LEAST_TURNING_M_S: f64 = 0.02;
+
+/// Sine of the angle between axis and normal below which a cylinder has no way to roll.
+const LEAST_WAY: f64 = 1e-9;
 
 /// Least slip of which a direction is told [m/s].
 const LEAST_M_S: f64 = 1e-9;
@@ -44,8 +48,8 @@ const LEAST_M_S: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub(super) struct Slipping<const N: usize> {
     support: PlaneSupport,
-    /// `1 + c` of a ball, with its radius.
-    ball: Option<[f64; 2]>,
+    /// `1 + c` of what rolls, with its radius.
+    round: Option<[f64; 2]>,
     normal: Jet3<N>,
     position_m: Jet3<N>,
     velocity_m_s: Jet3<N>,
@@ -98,16 +102,26 @@ impl<const N: usize> Slipping<N> {
         let along_m_s2 = pull + normal * against_m_s2;
         let across = |of: Jet3<N>| of - normal * of.dot(normal);
         let moments = body.moments_kg_m2() / body.mass_kg();
-        let ball = support
-            .radius_m
-            .map(|radius_m| [1.0 + moments.mean() / (radius_m * radius_m), radius_m]);
+        let round =
+            |about_m2: f64, radius_m: f64| [1.0 + about_m2 / (radius_m * radius_m), radius_m];
+        let (round, way) = match support.touching {
+            OnPlane::Ball { radius_m } => (Some(round(moments.mean(), radius_m)), None),
+            OnPlane::Side { radius_m, axis } => {
+                let about_m2 = axis.dot(&moments.component_mul(&axis));
+                let along = Jet3::constant(axis);
+                let across = normal.cross((along + turn.cross(along)).through(&to_world));
+                let way = across * across.norm(LEAST_WAY).recip();
+                (Some(round(about_m2, radius_m)), Some(way))
+            }
+            OnPlane::Face { .. } => (None, None),
+        };
         // The normal in body axes, Exp(−δ) Rᵀ n, and the gyration radius about it.
         let below = Jet3::constant(to_world.tr_mul(&support.normal));
         let below = below - turn.cross(below);
         let gyration_m = below
             .dot(below.through(&nalgebra::Matrix3::from_diagonal(&moments)))
             .sqrt();
-        let (slip, drive_m_s2, factor) = match (support.sustained, ball) {
+        let (slip, drive_m_s2, factor) = match (support.sustained, round) {
             (Sustained::Slide, Some([one_and_c, radius_m])) => (
                 across(velocity_m_s) - spin_rad_s.cross(normal) * radius_m,
                 along_m_s2,
@@ -118,11 +132,12 @@ impl<const N: usize> Slipping<N> {
                 along_m_s2,
                 1.0,
             ),
-            (_, ball) => (
-                across(velocity_m_s),
-                along_m_s2 * ball.map_or(1.0, |[one_and_c, _]| one_and_c.recip()),
-                1.0,
-            ),
+            (_, round) => {
+                let share = round.map_or(1.0, |[one_and_c, _]| one_and_c.recip());
+                // A cylinder rolls across its axis alone.
+                let taken = |of: Jet3<N>| way.map_or(of, |way| way * of.dot(way));
+                (taken(across(velocity_m_s)), taken(along_m_s2 * share), 1.0)
+            }
         };
         let slip_m_s = slip.norm(LEAST_M_S);
         let start = SlipNode {
@@ -135,7 +150,7 @@ impl<const N: usize> Slipping<N> {
         };
         Self {
             support: *support,
-            ball,
+            round,
             normal,
             position_m,
             velocity_m_s,
@@ -160,7 +175,7 @@ impl<const N: usize> Slipping<N> {
     /// The angular velocity where the slip is `u` \[world\].
     fn spin_rad_s(&self, since_s: f64, u: Jet3<N>) -> Jet3<N> {
         let normal = self.normal;
-        match (self.support.sustained, self.ball) {
+        match (self.support.sustained, self.round) {
             (Sustained::Slide, Some([one_and_c, radius_m])) => {
                 let lost = self.start.u() + self.along_m_s2 * since_s - u;
                 self.spin_rad_s + normal.cross(lost) * (one_and_c * radius_m).recip()
@@ -206,7 +221,7 @@ impl<const N: usize> Slipping<N> {
             way_m: node.way_m + u * (h / 6.0),
             ..*node
         };
-        let angle = match (self.support.sustained, self.ball) {
+        let angle = match (self.support.sustained, self.round) {
             (Sustained::Slide, None) => {
                 let yaw = (after.way_m - node.way_m).dot(self.normal) * self.per_gyration_m;
                 self.normal * yaw
@@ -229,6 +244,17 @@ impl<const N: usize> Slipping<N> {
         first + (c1 - first * 20.0).cross(second + c2) * (1.0 / 240.0)
     }
 
+    /// What of the velocity a cylinder carries along its axis; nothing of anything else.
+    fn sideways(&self) -> Jet3<N> {
+        match self.support.touching {
+            OnPlane::Side { .. } => {
+                let left = self.velocity_m_s - self.start.u();
+                left - self.normal * left.dot(self.normal)
+            }
+            _ => Jet3::constant(Vector3::zeros()),
+        }
+    }
+
     /// What follows from a node.
     pub(super) fn told(&self, node: SlipNode<N>, s: f64) -> Seen<N> {
         let normal = self.normal;
@@ -236,12 +262,13 @@ impl<const N: usize> Slipping<N> {
         let rate = (node.direction * slip_rate + turning * node.slip_m_s).value;
         let u = node.u();
         let off = self.velocity_m_s.dot(normal);
+        let sideways = self.sideways();
         let spin_rad_s = self.spin_rad_s(s, u);
         let zero = Vector3::zeros();
         let n = normal.value;
         let g = self.along_m_s2.value;
         let (position_m, velocity_m_s, acceleration_m_s2, angular_acceleration_rad_s2) =
-            match (self.support.sustained, self.ball) {
+            match (self.support.sustained, self.round) {
                 (Sustained::Slide, Some([one_and_c, radius_m])) => {
                     let share = (one_and_c - 1.0) / one_and_c;
                     let start = self.start.u();
@@ -256,27 +283,27 @@ impl<const N: usize> Slipping<N> {
                     )
                 }
                 (Sustained::Rest, _) => (self.position_m, self.velocity_m_s, zero, zero),
-                (sustained, ball) => {
+                (sustained, round) => {
                     let across = |of: Jet3<N>| of - normal * of.dot(normal);
                     let straight = rate - n * n.dot(&rate);
-                    let spun = match (sustained, ball) {
+                    let spun = match (sustained, round) {
                         (Sustained::Slide, _) => n * (n.dot(&rate) * self.per_gyration_m.value),
                         (_, Some([_, radius_m])) => n.cross(&rate) / radius_m,
                         (_, None) => zero,
                     };
                     (
                         self.position_m + across(node.way_m) + normal * off * s,
-                        across(u) + normal * off,
+                        across(u) + normal * off + sideways,
                         straight,
                         spun,
                     )
                 }
             };
         let spin = spin_rad_s.value;
-        let (moving_m_s, turning_rad_s) = match (self.support.sustained, self.ball) {
+        let (moving_m_s, turning_rad_s) = match (self.support.sustained, self.round) {
             (Sustained::Rest, _) => (zero, zero),
             (Sustained::Slide, None) => (velocity_m_s.value, n * n.dot(&spin)),
-            _ => (velocity_m_s.value, spin),
+            _ => (velocity_m_s.value - sideways.value, spin),
         };
         Seen {
             orientation: node.orientation,

@@ -5,7 +5,7 @@ use crate::math::differentiate;
 use crate::physics::flow;
 use crate::physics::state::{StateTangent, part};
 use crate::physics::support::{Pivot, PivotAxes};
-use crate::physics::{PlaneSupport, Sustained};
+use crate::physics::{OnPlane, PlaneSupport, Sustained};
 
 const GRAVITY: Vector3<f64> = Vector3::new(0.1, 0.2, -9.81);
 const RADIUS_M: f64 = 0.03;
@@ -21,7 +21,13 @@ fn body(sustained: Sustained, is_ball: bool, normal: Vector3<f64>) -> Body {
         normal: normal.normalize(),
         sustained,
         friction: FRICTION,
-        radius_m: is_ball.then_some(RADIUS_M),
+        touching: match is_ball {
+            true => OnPlane::Ball { radius_m: RADIUS_M },
+            false => OnPlane::Face {
+                point_m: Vector3::zeros(),
+                normal: -Vector3::z(),
+            },
+        },
     });
     Body::new(0.2, moments).unwrap().with_support(Some(support))
 }
@@ -44,11 +50,29 @@ fn kinds() -> Vec<Body> {
         }
         all.push(body(Sustained::Roll, true, normal));
     }
+    for normal in [-GRAVITY, Vector3::new(0.1, -0.2, 1.0)] {
+        all.push(cylinder(normal));
+    }
     let axis = Vector3::new(0.3, -0.8, 0.2).normalize();
     for axes in [PivotAxes::All, PivotAxes::One(axis), PivotAxes::None] {
         all.push(pivoting(axes));
     }
     all
+}
+
+/// A cylinder that rolls.
+fn cylinder(normal: Vector3<f64>) -> Body {
+    let support = Support::Plane(PlaneSupport {
+        normal: normal.normalize(),
+        sustained: Sustained::Roll,
+        friction: FRICTION,
+        touching: OnPlane::Side {
+            radius_m: RADIUS_M,
+            axis: Vector3::y(),
+        },
+    });
+    let body = Body::new(0.2, Vector3::new(4e-4, 9e-5, 4e-4)).unwrap();
+    body.with_support(Some(support))
 }
 
 /// A body at a pivot.
