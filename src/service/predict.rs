@@ -58,6 +58,13 @@ pub fn predict(job: &PredictJob) -> anyhow::Result<RecordingReport> {
     let event =
         last(&scene, job.until.as_deref()).map_err(|error| error.context(path.to_string()))?;
     let name = scene.events[event].name.clone();
+    if let Some(phase) = scene.tied_at(event) {
+        bail!(
+            "{path}: {:?} ties {:?} until {name:?}, expected --until an event at which nothing holds it: how it is let go is not known",
+            phase.name,
+            scene.links[phase.link].name
+        );
+    }
     let pipeline = pipeline.in_scene(scene).predicting(event, job.limit_s);
     let Some(pipeline) = pipeline else {
         bail!(

@@ -232,3 +232,32 @@ fn joints_that_cannot_end_are_refused_by_name() {
         );
     }
 }
+
+#[test]
+fn what_is_tied_to_the_end_is_not_continued() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let tied = scene(&format!("{JOINT}from = \"let go\"\n"));
+    let refused = |arguments: &[&str], expected: &str| {
+        let ran = enact(folder.path(), arguments);
+        let said = String::from_utf8_lossy(&ran.stderr);
+        assert!(!ran.status.success() && said.contains(expected), "{said}");
+    };
+    let settling = tied.replace("[timing]", "settle_s = 3\n[timing]");
+    std::fs::write(folder.path().join("scene.toml"), settling).expect("a scene");
+    refused(
+        &["scene", "check", "scene.toml"],
+        "what follows is not known",
+    );
+    std::fs::write(folder.path().join("scene.toml"), tied).expect("a scene");
+    let (csv, end_s) = caught(0.3, Vector3::x(), 2.0, 0.4, 9540);
+    std::fs::write(folder.path().join("poses.csv"), csv).expect("a table");
+    let end = format!("{}:end", end_s - 0.01);
+    let import = "import poses.csv --scene scene.toml -o take.mcap --mark 0:go";
+    let mut import: Vec<&str> = import.split(' ').collect();
+    import.extend(["--mark", "0.4:let go", "--mark", &end]);
+    assert!(enact(folder.path(), &import).status.success());
+    refused(
+        &["predict", "take.mcap"],
+        "\"nail\" ties \"rod\" until \"end\"",
+    );
+}

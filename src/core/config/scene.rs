@@ -110,6 +110,15 @@ pub(super) fn scene(raw: &RawScene) -> Result<Scene, Fault> {
     scene.events = events(&raw.event, &scene, &of_links, &mut laws)?;
     scene.phases = phases(raw, &scene, &of_links, &mut laws)?;
     scene.contact_laws = laws;
+    if let (Some(settle_s), Some(last)) = (&raw.settle_s, scene.events.len().checked_sub(1))
+        && let Some(phase) = scene.tied_at(last)
+    {
+        let message = format!(
+            "{:?} ties {:?} to the end, what follows is not known, expected no settle_s",
+            phase.name, scene.links[phase.link].name
+        );
+        return fault(settle_s.span(), message);
+    }
     let [at_rest, at_events] = split(&raw.goal);
     let (goals, goal_spans) = goals(&at_events, &scene)?;
     scene.goals = goals;

@@ -68,7 +68,7 @@ pub(super) fn friction(
     };
     let (n, radius_m) = (plane.normal, plane.touching.radius_m()?);
     let pressed = -pull_m_s2.dot(&n);
-    let moments = body.moments_kg_m2() / body.mass_kg();
+    let moments = body.gyration_m2();
     let (about_m2, way) = match plane.touching {
         OnPlane::Side { axis, .. } => {
             let across = n.cross(&(turn.orientation * axis));

@@ -200,6 +200,11 @@ impl Body {
         self.moments_kg_m2
     }
 
+    /// The principal moments per mass \[m²\]: squares of radii of gyration.
+    pub fn gyration_m2(&self) -> Vector3<f64> {
+        self.moments_kg_m2 / self.mass_kg
+    }
+
     /// How many of the moments are equal.
     pub fn symmetry(&self) -> Symmetry {
         self.symmetry

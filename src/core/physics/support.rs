@@ -2,8 +2,6 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::body::Body;
-
 /// What carries a body, and by which law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Support {
@@ -100,12 +98,21 @@ pub struct Pivot {
 }
 
 impl Pivot {
-    /// Inertia per mass about it, `I/m + |r|² − r rᵀ` \[m²\], of a body whose centre of mass is at `r` from it.
-    pub fn inertia_m2(&self, body: &Body) -> Matrix3<f64> {
+    /// Inertia per mass about it, `I/m + |r|² − r rᵀ` \[m²\], of a body with these principal moments per mass \[m²\], whose
+    /// centre of mass is at `r` from it.
+    pub fn inertia_m2(&self, gyration_m2: &Vector3<f64>) -> Matrix3<f64> {
         let r = -self.at_m;
-        Matrix3::from_diagonal(&(body.moments_kg_m2() / body.mass_kg()))
-            + Matrix3::identity() * r.norm_squared()
+        Matrix3::from_diagonal(gyration_m2) + Matrix3::identity() * r.norm_squared()
             - r * r.transpose()
+    }
+
+    /// What it makes of the motion of such a body that it catches.
+    pub fn catch(&self, gyration_m2: &Vector3<f64>) -> Caught {
+        Caught {
+            lever_m: -self.at_m,
+            inertia_m2: *gyration_m2,
+            mobility_per_m2: self.axes.mobility(&self.inertia_m2(gyration_m2)),
+        }
     }
 }
 
@@ -118,20 +125,6 @@ pub struct Caught {
     pub inertia_m2: Vector3<f64>,
     /// Angular velocity of an angular momentum about the pivot per mass \[1/m²\].
     pub mobility_per_m2: Matrix3<f64>,
-}
-
-impl Caught {
-    /// Of what turns about a pivot; `None` of any other body.
-    pub fn by(body: &Body) -> Option<Self> {
-        let Some(Support::Pivot(pivot)) = body.support() else {
-            return None;
-        };
-        Some(Self {
-            lever_m: -pivot.at_m,
-            inertia_m2: body.moments_kg_m2() / body.mass_kg(),
-            mobility_per_m2: pivot.axes.mobility(&pivot.inertia_m2(body)),
-        })
-    }
 }
 
 /// About what a body at a pivot turns.

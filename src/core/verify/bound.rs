@@ -74,7 +74,7 @@ impl SpeedBound {
     /// By the energy, which is at most that of the beginning: `½ ωᵀJω ≤ ½ ω₀ᵀJω₀ − p·R₀ r + |p||r|`.
     fn at_pivot(body: &Body, pivot: &Pivot, pull_m_s2: &Vector3<f64>, start: &State) -> Self {
         let r = -pivot.at_m;
-        let inertia = pivot.inertia_m2(body);
+        let inertia = pivot.inertia_m2(&body.gyration_m2());
         let least = match pivot.axes {
             PivotAxes::All => inertia.symmetric_eigenvalues().min(),
             PivotAxes::One(axis) => axis.dot(&(inertia * axis)),

@@ -100,7 +100,7 @@ fn off_m(
     let pull = body.pull_m_s2(&gravity);
     let acceleration: Vector3<f64> = rate.fixed_rows::<3>(part::VELOCITY).into();
     let turning: Vector3<f64> = rate.fixed_rows::<3>(part::ANGULAR_VELOCITY).into();
-    let per_mass = body.moments_kg_m2() / body.mass_kg();
+    let per_mass = body.gyration_m2();
     let omega = state.angular_velocity_rad_s;
     let momentum = per_mass.component_mul(&omega);
     let moment = state.orientation * (per_mass.component_mul(&turning) + omega.cross(&momentum));

@@ -86,7 +86,7 @@ fn supported(
     let pull = gravity_m_s2 + body.force_m_s2();
     let pressure = -pull.dot(&n);
     let along = pull + n * pressure;
-    let per_mass = body.moments_kg_m2() / body.mass_kg();
+    let per_mass = body.gyration_m2();
     let normal_in_body = state.orientation.inverse() * n;
     let gyration_m = normal_in_body
         .dot(&per_mass.component_mul(&normal_in_body))

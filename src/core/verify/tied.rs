@@ -91,7 +91,7 @@ pub(super) fn caught(body: &Body, pivot: &Pivot, state: &State) -> State {
     if pivot.axes == PivotAxes::None {
         return after;
     }
-    let inertia = Matrix3::from_diagonal(&(body.moments_kg_m2() / body.mass_kg()));
+    let inertia = Matrix3::from_diagonal(&body.gyration_m2());
     let found = borne(
         body,
         pivot,
@@ -107,7 +107,7 @@ pub(super) fn caught(body: &Body, pivot: &Pivot, state: &State) -> State {
 /// point has the velocity, or acceleration, given last.
 fn borne(body: &Body, pivot: &Pivot, state: &State, given: [Vector3<f64>; 3]) -> [Vector3<f64>; 2] {
     let to_world = so3::matrix(&state.orientation);
-    let inertia = Matrix3::from_diagonal(&(body.moments_kg_m2() / body.mass_kg()));
+    let inertia = Matrix3::from_diagonal(&body.gyration_m2());
     let arm = so3::hat(&pivot.at_m);
     let across: Vec<Vector3<f64>> = match pivot.axes {
         PivotAxes::One(axis) => Feature::tangents(&axis).to_vec(),
@@ -140,7 +140,7 @@ fn borne(body: &Body, pivot: &Pivot, state: &State, given: [Vector3<f64>; 3]) ->
 
 fn rate(body: &Body, pivot: &Pivot, gravity_m_s2: &Vector3<f64>, state: &State) -> TiedRate {
     let omega = state.angular_velocity_rad_s;
-    let inertia = Matrix3::from_diagonal(&(body.moments_kg_m2() / body.mass_kg()));
+    let inertia = Matrix3::from_diagonal(&body.gyration_m2());
     let pull = gravity_m_s2 + body.force_m_s2();
     let gyroscopic = (inertia * omega).cross(&omega);
     let damped = omega * (pivot.damping_n_m_s / body.mass_kg());

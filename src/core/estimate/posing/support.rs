@@ -6,7 +6,7 @@ use crate::estimate::problem::{Arc, ArcChange, ArcPair, ArcSupport, SupportPlace
 use crate::motion::{EventKind, Scene, SupportedBy};
 use crate::physics::contact::Feature;
 use crate::physics::support::Caught;
-use crate::physics::{Support, Sustained};
+use crate::physics::{Body, Support, Sustained};
 
 /// The changes of phases. `arcs` have the parameters of their friction.
 pub(super) fn changes(
@@ -48,11 +48,19 @@ pub(super) fn changes(
                 after,
             },
             slip_ends,
-            caught: Caught::by(&arcs[after].body),
+            caught: caught(&arcs[after].body),
             acting,
         })
     });
     changes.collect()
+}
+
+/// What catches a body that turns about a pivot from then on.
+fn caught(body: &Body) -> Option<Caught> {
+    match body.support()? {
+        Support::Plane(_) => None,
+        Support::Pivot(pivot) => Some(pivot.catch(&body.gyration_m2())),
+    }
 }
 
 /// What holds on arcs that begin on a support with the performance, or at a pivot.

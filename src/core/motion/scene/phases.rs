@@ -83,6 +83,16 @@ impl Scene {
         })
     }
 
+    /// The phase in which a body is tied to the world, or held still, up to an event at least: nothing of what follows there
+    /// is known.
+    pub fn tied_at(&self, event: usize) -> Option<&SupportPhase> {
+        let mut phases = self.phases.iter();
+        phases.find(|phase| {
+            let [from, until] = phase.events;
+            phase.on_surface().is_none() && from < event && event <= until
+        })
+    }
+
     /// The equations of motion of a mechanism between two of its events that follow each other.
     pub fn body_between(&self, mechanism: MechanismIndex, ends: [Option<usize>; 2]) -> Body {
         let phase = self.phase_between(mechanism, ends);

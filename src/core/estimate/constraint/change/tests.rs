@@ -3,7 +3,6 @@ use nalgebra::UnitQuaternion;
 use super::*;
 use crate::math::differentiate;
 use crate::physics::support::{Pivot, PivotAxes};
-use crate::physics::{Body, Support};
 
 fn states() -> [State; 2] {
     let before = State {
@@ -26,9 +25,7 @@ fn pivoted(axes: PivotAxes) -> Caught {
         axes,
         damping_n_m_s: 0.0,
     };
-    let body = Body::new(0.2, Vector3::new(3e-4, 4e-4, 6e-4)).unwrap();
-    let body = body.with_support(Some(Support::Pivot(pivot)));
-    Caught::by(&body).unwrap()
+    pivot.catch(&Vector3::new(1.5e-3, 2e-3, 3e-3))
 }
 
 fn kinds() -> [PivotAxes; 3] {

@@ -67,7 +67,7 @@ impl<const N: usize> Pivoting<N> {
         let spin = Jet3::variable(state.angular_velocity_rad_s, part::ANGULAR_VELOCITY);
         let to_world = so3::matrix(&state.orientation);
         let lever_m = Jet3::constant(-pivot.at_m);
-        let inertia_m2 = pivot.inertia_m2(body);
+        let inertia_m2 = pivot.inertia_m2(&body.gyration_m2());
         let omega = spin.through(&pivot.axes.allowed());
         // R Exp(δ) a = R (a + δ × a), and its rows are γ − δ × γ.
         let placed = |of: Jet3<N>| (of + turn.cross(of)).through(&to_world);

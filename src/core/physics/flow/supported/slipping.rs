@@ -101,7 +101,7 @@ impl<const N: usize> Slipping<N> {
         let against_m_s2 = -pull.dot(normal);
         let along_m_s2 = pull + normal * against_m_s2;
         let across = |of: Jet3<N>| of - normal * of.dot(normal);
-        let moments = body.moments_kg_m2() / body.mass_kg();
+        let moments = body.gyration_m2();
         let round =
             |about_m2: f64, radius_m: f64| [1.0 + about_m2 / (radius_m * radius_m), radius_m];
         let (round, way) = match support.touching {
