@@ -50,8 +50,6 @@ run() { # TARGET ARGUMENTS
 case "${1:-}" in
 build) build ;;
 smoke)
-    # What is only tried for a moment need not be fast.
-    export CARGO_PROFILE_RELEASE_OPT_LEVEL=1
     build
     each=$((${2:-60} / ${#targets[@]}))
     for target in "${targets[@]}"; do

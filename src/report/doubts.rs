@@ -125,7 +125,7 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
             bound * 1e3
         ),
         About::Slips => format!(
-            "{subject} begins with a slip of {value:.3} m/s, expected at most {bound:.3}: what is said to hold it, or to have ended its slip, does not"
+            "{subject} slips where it is said not to, or goes on where friction has stopped it, at {value:.3} m/s, expected at most {bound:.3}"
         ),
         About::Limit => format!(
             "{subject} is {:.1}° beyond its limits at {:.3} s, expected at most {:.1}°",

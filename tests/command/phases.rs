@@ -348,6 +348,15 @@ fn a_cylinder_rolls_until_it_rests_and_its_friction_is_told() {
         assert_eq!(said["fits"], "yes", "{said}");
         let found = &said["parameters"]["rolling.friction"];
         assert_within(found, "value", "sd", friction, 1e-3, "friction");
+        // It does not roll to the end.
+        let change = "[[event]]\nname = \"change\"\nkind = \"change\"\nbody = \"thing\"\n";
+        let wrong = scene.replace(change, "").replace(&rest, "");
+        let wrong = wrong.replace("until = \"change\"", "until = \"end\"");
+        let said = replayed(folder.path(), &wrong, &csv, &[marks[0], marks[2]]);
+        assert!(
+            said["verdict"] != "physical" || said["fits"] != "yes",
+            "{said}"
+        );
     }
 }
 

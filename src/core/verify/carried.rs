@@ -1,5 +1,5 @@
-//! What a surface would have to do to a body on it, and cannot: press beyond its outline, so that it would tip, or hold
-//! still, or roll, what slips.
+//! What a surface would have to do to a body on it, and cannot: press beyond its outline, so that it would tip, hold
+//! still, or roll, what slips, or drive on what it has stopped.
 //!
 //! Of forces and moments per mass, with the angular momentum's rate `L̇` about the centre of mass at the height `h`, the
 //! surface presses at
@@ -44,7 +44,7 @@ fn of_arc(
         start_s: arc.start_s,
     };
     let start = link.state(arc, arc.start_s);
-    let slip_m_s = slip_m_s(&support, &start, link.radius_m);
+    let slip_m_s = slip_m_s(&support, &start, link.radius_m).max(back_m_s(world, arc));
     let slips = Doubt::beyond(About::Slips, place.clone(), slip_m_s, SLIP_MOST_M_S);
     let off_m = [arc.start_s, arc.end_s].map(|time_s| off_m(world, link, arc, &support, time_s));
     let off_m = off_m[0].max(off_m[1]);
@@ -79,6 +79,20 @@ fn slip_m_s(support: &Support, state: &State, reach_m: f64) -> f64 {
         }
         (Sustained::Rest, _) => state.velocity_m_s.norm() + spin.norm() * reach_m,
     }
+}
+
+/// How fast what slides or rolls goes at the end where friction would have stopped it: from there on it acts against the
+/// motion that was.
+fn back_m_s(world: &World, arc: &ArcEstimate) -> f64 {
+    match arc.support {
+        Some(Support::Plane(plane)) if plane.friction > 0.0 => {}
+        _ => return 0.0,
+    }
+    let body = world.scene.body_on(arc);
+    let gravity = world.estimate.gravity_m_s2;
+    let supported = flow::Supported::new(&body, &gravity, &arc.state);
+    let end = supported.map(|mut of| of.carried(arc.end_s - arc.epoch_s).slip_m_s);
+    end.map_or(0.0, |slip_m_s| (-slip_m_s).max(0.0))
 }
 
 /// How far beyond its outline what lies flat would have to be pressed \[m\]; zero of a ball, and at a pivot.
