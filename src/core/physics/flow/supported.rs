@@ -64,13 +64,11 @@ impl<const N: usize> CarriedFlow<N> {
         match support {
             Support::Plane(plane) => {
                 let of = Slipping::new(body, plane, gravity_m_s2, state);
-                let nodes = Stepped::new(of.start);
-                Self::Slipping(Box::new(of), nodes)
+                Self::Slipping(Box::new(of), Stepped::default())
             }
             Support::Pivot(pivot) => {
                 let of = Pivoting::new(body, pivot, gravity_m_s2, state);
-                let nodes = Stepped::new(of.start());
-                Self::Pivoting(Box::new(of), nodes)
+                Self::Pivoting(Box::new(of), Stepped::default())
             }
         }
     }
@@ -81,40 +79,45 @@ impl<const N: usize> CarriedFlow<N> {
         match self {
             Self::Slipping(of, nodes) => {
                 let after = |node: &SlipNode<N>, step_s: f64| of.after(node, step_s);
-                let (node, left_s) = nodes.on_the_way(duration_s, slipping::STEP_S, after);
+                let step_s = slipping::STEP_S;
+                let (node, left_s) = nodes.on_the_way(duration_s, step_s, || of.start, after);
                 of.told(of.after(node, left_s), duration_s)
             }
             Self::Pivoting(of, nodes) => {
                 let after = |node: &TurnSeries<N>, step_s: f64| of.after(node, step_s);
-                let (node, left_s) = nodes.on_the_way(duration_s, pivoting::STEP_S, after);
+                let step_s = pivoting::STEP_S;
+                let (node, left_s) = nodes.on_the_way(duration_s, step_s, || of.start(), after);
                 of.told(node, left_s)
             }
         }
     }
 }
 
-/// What is known at times a step apart, after the start and before it.
+/// What is known at times a step apart, after the start and before it; nothing until it is asked for.
 #[derive(Clone, Debug)]
 struct Stepped<T>([Vec<T>; 2]);
 
-impl<T: Clone> Stepped<T> {
-    fn new(start: T) -> Self {
-        Self([vec![start.clone()], vec![start]])
+impl<T> Default for Stepped<T> {
+    fn default() -> Self {
+        Self([Vec::new(), Vec::new()])
     }
+}
 
-    /// The last node on the way to a duration \[s\], and what is left from there \[s\]; `after` makes a node of the one
-    /// before it and the step.
+impl<T> Stepped<T> {
+    /// The last node on the way to a duration \[s\], and what is left from there \[s\]; `start` makes the first node,
+    /// `after` one of the one before it and the step.
     fn on_the_way(
         &mut self,
         duration_s: f64,
         step_s: f64,
+        start: impl Fn() -> T,
         after: impl Fn(&T, f64) -> T,
     ) -> (&T, f64) {
         let step_s = step_s.copysign(duration_s);
         let side = &mut self.0[usize::from(duration_s < 0.0)];
         let whole = (duration_s / step_s) as usize;
         while side.len() <= whole {
-            let next = after(side.last().expect("the start"), step_s);
+            let next = side.last().map_or_else(&start, |last| after(last, step_s));
             side.push(next);
         }
         (&side[whole], duration_s - whole as f64 * step_s)
