@@ -103,10 +103,19 @@ fn is_beyond_noise(square: f64, variance: f64, freedom: f64) -> bool {
     square > (1.0 + beyond_chance) * variance * freedom && freedom > 0.0
 }
 
+/// Most times of nodes that are unknown beside errors that samples share: all of a flight are told of together, which takes memory in
+/// proportion to the square of their number.
+const NODES_MOST: usize = 3000;
+
+/// Whether there are more.
+fn has_many_nodes(problem: &Problem) -> bool {
+    problem.times_are_unknown() && problem.nodes_acted_s.len() > NODES_MOST
+}
+
 /// A motion whose samples were weighed one by one with the errors that they show; `None` where errors of a hand were told as it
 /// was found, and where residuals tell nothing of them.
 pub fn in_time(context: &SolveContext, solution: &Solution) -> Option<InTime> {
-    if context.problem.weave.is_some() {
+    if context.problem.weave.is_some() || has_many_nodes(context.problem) {
         return None;
     }
     let strayed = match context.problem.performer {
@@ -136,7 +145,10 @@ pub(super) fn judge(
         };
         return told.judged(errors, performance, observer);
     }
-    let in_time = in_time.ok_or(FitUntold::FewSamples)?;
+    let in_time = in_time.ok_or(match has_many_nodes(context.problem) {
+        true => FitUntold::ManySamples,
+        false => FitUntold::FewSamples,
+    })?;
     let (own, there) = in_time.at(context, solution);
     let told = ToldMotion {
         context: &own,

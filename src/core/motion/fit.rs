@@ -99,6 +99,8 @@ pub enum FitUntold {
     Stopped,
     /// Samples are too few, or tell too little of what may move.
     FewSamples,
+    /// Samples whose times are not known are too many for their errors to be told.
+    ManySamples,
     /// Joined bodies move in a tempo that is not known: there too many right scenes would be said not to fit.
     UnknownTempo,
 }
@@ -111,6 +113,9 @@ impl FitUntold {
             FitUntold::NoMotion => "there is no motion that could fit",
             FitUntold::Stopped => "time ended before it was told whether the motion fits",
             FitUntold::FewSamples => "samples are too few to tell whether the motion fits",
+            FitUntold::ManySamples => {
+                "samples in a tempo that is not known are too many to tell whether the motion fits"
+            }
             FitUntold::UnknownTempo => {
                 "of joined bodies in a tempo that is not known nothing tells whether the motion fits"
             }
