@@ -113,6 +113,7 @@ pub(crate) fn estimate() -> Estimate {
             arc(0.2, state(0.2, 2.0), 0.2, 0.475),
         ],
         held: Vec::new(),
+        grips: Vec::new(),
         trees: Vec::new(),
         events: vec![event(0, 0.2, 0.8, Some(0.001)), event(1, 0.475, 1.9, None)],
         parameters: vec![ParameterEstimate {

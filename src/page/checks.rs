@@ -91,10 +91,15 @@ pub(super) fn checks(said: &EstimateReport) -> String {
     }
     lines.extend(said.held.iter().map(|held| {
         let number = |of: f64| known(of).map_or("?".to_owned(), |of| format!("{of:.2}"));
+        let span = match (held.start_s, held.end_s) {
+            (Some(from), Some(to)) => format!(" from {} to {}", seconds(from), seconds(to)),
+            _ => String::new(),
+        };
         format!(
-            "<bdi>{}</bdi> is in the hand: {} samples, smoothed, with noise of {} mm, {}°; at its {} collisions the motion \
+            "<bdi>{}</bdi> is in the hand{}: {} samples, smoothed, with noise of {} mm, {}°; at its {} events the motion \
              is up to {} mm, {}° from that.",
             escaped(&held.body),
+            span,
             held.samples,
             number(held.noise_mm),
             number(held.noise_deg),

@@ -30,6 +30,8 @@ pub fn deviation_frames(
         let time_s = pose.stamp.seconds_since(zero);
         let mut flights = flights.iter();
         let flight = flights.find(|arc| time_s <= arc.end_s + ROUNDED_S)?;
+        // Before it the link is in a hand.
+        let flight = (time_s >= flight.start_s - ROUNDED_S).then_some(flight)?;
         Some(DeviationSample {
             stamp: pose.stamp,
             deviation: flight.deviation(scene, &estimate.gravity_m_s2, time_s)?,

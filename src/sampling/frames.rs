@@ -6,7 +6,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 
 use super::error::SamplingError;
 use crate::math::Pose;
-use crate::motion::held::HeldEstimate;
+use crate::motion::held::{GripEstimate, HeldEstimate};
 use crate::motion::{
     ArcEstimate, Estimate, JointTree, LinkIndex, MechanismIndex, PoseSample, Scene, Seen, Settled,
     Sketch, Stamp,
@@ -82,7 +82,7 @@ fn give(samples: &mut [PoseSample], link_from_given: &Pose) {
     }
 }
 
-/// The poses of a link in free flight.
+/// The poses of a body by itself.
 fn free_frames(
     scene: &Scene,
     estimate: &Estimate,
@@ -96,35 +96,33 @@ fn free_frames(
         .iter()
         .filter(|arc| arc.mechanism == mechanism && arc.end_s >= arc.start_s)
         .collect();
-    let (Some(first), Some(last)) = (arcs.first(), arcs.last()) else {
+    let flights = arcs.into_iter().map(|arc| {
+        let body = &scene.body_on(arc);
+        FramedPiece::Arc(Box::new(FramedArc {
+            arc,
+            fall: Fall::new(body, &estimate.gravity_m_s2, &arc.state),
+            spin: Spin::new(body, &arc.state.angular_velocity_rad_s),
+            supported: Supported::new(body, &estimate.gravity_m_s2, &arc.state),
+        }))
+    });
+    let grips = estimate.grips_of(link).map(FramedPiece::Grip);
+    let mut pieces: Vec<FramedPiece> = grips.chain(flights).collect();
+    pieces.sort_by(|a, b| a.span_s()[0].total_cmp(&b.span_s()[0]));
+    let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else {
         return Ok(Vec::new());
     };
-    let (start_s, end_s) = (first.start_s, last.end_s);
-    let ends = arcs.iter().flat_map(|arc| [arc.start_s, arc.end_s]);
     let times_s = times_s(
         scene,
         link,
         estimate,
-        [start_s, end_s],
-        ends,
+        [first.span_s()[0], last.span_s()[1]],
+        pieces.iter().flat_map(FramedPiece::span_s),
         zero,
         frame_rate_hz,
     )?;
-    let mut flights: Vec<FramedArc> = arcs
-        .into_iter()
-        .map(|arc| {
-            let body = &scene.body_on(arc);
-            FramedArc {
-                arc,
-                fall: Fall::new(body, &estimate.gravity_m_s2, &arc.state),
-                spin: Spin::new(body, &arc.state.angular_velocity_rad_s),
-                supported: Supported::new(body, &estimate.gravity_m_s2, &arc.state),
-            }
-        })
-        .collect();
     let poses = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
     let samples = poses.map(|(stamp, time_s)| {
-        let pose = pose_at(&mut flights, time_s);
+        let pose = pose_at(&mut pieces, time_s);
         PoseSample::from_pose(stamp, &pose)
     });
     Ok(samples.collect())
@@ -320,16 +318,37 @@ struct FramedArc<'a> {
     supported: Option<Supported>,
 }
 
-/// The pose at a physical time within the flights: on the first that has not ended.
-fn pose_at(flights: &mut [FramedArc], time_s: f64) -> Pose {
-    let at = flights.iter().position(|of| time_s <= of.arc.end_s);
-    let at = at.unwrap_or(flights.len() - 1);
+/// A part of a motion.
+enum FramedPiece<'a> {
+    /// By itself.
+    Arc(Box<FramedArc<'a>>),
+    /// In a hand.
+    Grip(&'a GripEstimate),
+}
+
+impl FramedPiece<'_> {
+    fn span_s(&self) -> [f64; 2] {
+        match self {
+            FramedPiece::Arc(of) => [of.arc.start_s, of.arc.end_s],
+            FramedPiece::Grip(of) => of.span_s,
+        }
+    }
+}
+
+/// The pose at a physical time within the motion: on the first piece that has not ended.
+fn pose_at(pieces: &mut [FramedPiece], time_s: f64) -> Pose {
+    let at = pieces.iter().position(|of| time_s <= of.span_s()[1]);
+    let at = at.unwrap_or(pieces.len() - 1);
+    let of = match &mut pieces[at] {
+        FramedPiece::Arc(of) => of,
+        FramedPiece::Grip(of) => return of.state(time_s).world_from_body(),
+    };
     let FramedArc {
         arc,
         fall,
         spin,
         supported,
-    } = &mut flights[at];
+    } = &mut **of;
     let duration_s = time_s - arc.epoch_s;
     if let Some(supported) = supported {
         return supported.at(duration_s).world_from_body();

@@ -3,6 +3,7 @@
 mod cli;
 mod deadlines;
 mod golden;
+mod hands;
 mod inputs;
 mod landings;
 mod phases;

@@ -180,7 +180,12 @@ pub(super) fn held(report: &EstimateReport) -> String {
         .iter()
         .map(|held| {
             vec![
-                format!("{}, held", held.body),
+                match &held.phase {
+                    Some(phase) => format!("{}, {phase}", held.body),
+                    None => format!("{}, held", held.body),
+                },
+                held.start_s.map_or(String::new(), seconds),
+                held.end_s.map_or(String::new(), seconds),
                 held.samples.to_string(),
                 format!("{:.2} mm", held.noise_mm),
                 format!("{:.2}°", held.noise_deg),
@@ -195,10 +200,12 @@ pub(super) fn held(report: &EstimateReport) -> String {
     }
     let columns = [
         "in the hand",
+        "from",
+        "to",
         "samples",
         "noise",
         "",
-        "collisions",
+        "events",
         "moved",
         "",
     ];

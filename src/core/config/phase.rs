@@ -1,9 +1,12 @@
-//! Phases: bodies that stay on surfaces, are held still, or are tied to the world for a while.
+//! Phases: bodies that stay on surfaces, are in a hand, are held still, or are tied to the world for a while.
 
+mod hand;
 mod on_surface;
 mod pivot;
 
 use std::ops::Range;
+
+pub(super) use self::hand::grips;
 
 use super::error::{Fault, fault};
 use super::event::link_of;
@@ -27,22 +30,36 @@ pub(super) fn phases(
         taken.take("phase", &of.name, &name)?;
         let link = carried(&of.body, scene)?;
         let by = match &of.surface {
+            _ if of.motion.get_ref() == hand::MOTION => {
+                SupportedBy::Hand(hand::held(spanned, link, scene)?)
+            }
             Some(surface) => SupportedBy::Surface(on_surface::on_surface(
                 spanned, surface, &name, link, scene, of_links, laws,
             )?),
             None => SupportedBy::Pivot(pivot::still(spanned)?),
         };
+        refuse_drag(&of.body, link, &by, scene)?;
         let ends = [Some(&of.from), Some(&of.until)];
         let phase = phase(name, link, by, ends, spanned.span(), scene)?;
         push(&mut phases, phase, of.from.span())?;
     }
     for spanned in raw.joint.iter().filter(|of| of.get_ref().is_for_a_while()) {
         let of = spanned.get_ref();
-        let (joint, at) = pivot::tied(spanned, scene)?;
+        let parent = of.parent.as_ref().map(|text| link_of(text, scene));
+        let (joint, by) = match parent.transpose()?.filter(|link| scene.is_held(*link)) {
+            Some(hand) => {
+                let (joint, grip) = hand::gripped(spanned, hand, scene)?;
+                (joint, SupportedBy::Hand(grip))
+            }
+            None => {
+                let (joint, at) = pivot::tied(spanned, scene)?;
+                (joint, SupportedBy::Pivot(at))
+            }
+        };
         taken.take("phase", &of.name, &joint.name)?;
         let link = carried(&of.child, scene)?;
+        refuse_drag(&of.child, link, &by, scene)?;
         let ends = [of.from.as_ref(), of.until.as_ref()];
-        let by = SupportedBy::Pivot(at);
         let phase = phase(joint.name, link, by, ends, spanned.span(), scene)?;
         push(&mut phases, phase, spanned.span())?;
     }
@@ -94,13 +111,19 @@ fn carried(text: &Text, scene: &Scene) -> Result<LinkIndex, Fault> {
             ),
         );
     }
-    if !scene.links[link].body.drag().is_none() {
-        return fault(
-            text.span(),
-            "drag does not act on what something carries, expected a body without drag",
-        );
-    }
     Ok(link)
+}
+
+/// Refuses drag on what something carries that is no hand.
+fn refuse_drag(text: &Text, link: LinkIndex, by: &SupportedBy, scene: &Scene) -> Result<(), Fault> {
+    let is_driven = matches!(by, SupportedBy::Hand(_));
+    if is_driven || scene.links[link].body.drag().is_none() {
+        return Ok(());
+    }
+    fault(
+        text.span(),
+        "drag does not act on what something carries, expected a body without drag",
+    )
 }
 
 /// A phase between two events of its body, by default from the start to the end.
@@ -181,6 +204,10 @@ pub(super) fn check_beginnings(raw: &RawScene, scene: &Scene) -> Result<(), Faul
         None => of.span(),
     }));
     for (span, phase) in froms.zip(&scene.phases) {
+        if phase.in_hand().is_some() {
+            hand::check_ends(span, phase, scene)?;
+            continue;
+        }
         let from = &scene.events[phase.events[0]].kind;
         let is_met = *from == EventKind::Start || from.change().is_some();
         if phase.on_surface().is_none() && !is_met {

@@ -15,7 +15,7 @@ use super::number::{
     Taken, direction, name, pose, positive, topic, unique, vector, vector_from_mm,
 };
 use super::parameter::parameters;
-use super::phase::{check_beginnings, phases};
+use super::phase::{check_beginnings, grips, phases};
 use super::raw::{Number, RawObstacle, RawScene, RawSurface, RawTiming, RawWeights, Text};
 use super::rest::{rest_goals, split};
 use super::solid::{SizeLimits, shape};
@@ -149,13 +149,16 @@ fn check_tracked(raw: &RawScene, scene: &Scene) -> Result<(), Fault> {
             continue;
         }
         let first = scene.name_of_mechanism(mechanism);
+        if grips(raw, scene, first) {
+            continue;
+        }
         let mut bodies = raw.body.iter().map(Spanned::get_ref);
         let of = bodies.find(|of| *of.name.get_ref() == first);
         let says = of.and_then(|of| of.tracked.as_ref());
         let span = says.map_or(raw.name.span(), Spanned::span);
         return fault(
             span,
-            "no tracker sees the body or what it is joined to, expected one that does",
+            "no tracker sees the body or what it is joined to, expected one that does; what a held body grips is let go at the `until` of its joint",
         );
     }
     Ok(())

@@ -2,6 +2,7 @@
 
 pub(in crate::estimate) mod clearance;
 pub(in crate::estimate) mod conditions;
+mod hands;
 pub(in crate::estimate) mod nodes;
 pub(in crate::estimate) mod regulariser;
 pub(in crate::estimate) mod sample_order;
@@ -11,6 +12,7 @@ pub(in crate::estimate) mod waypoint;
 mod weaving;
 
 use self::conditions::{conditions, flight_at};
+use self::hands::PosedHands;
 pub(in crate::estimate) use self::nodes::Nodes;
 use self::seen::views;
 use crate::estimate::problem::influence::{Acting, Influence, Owner, Role};
@@ -137,12 +139,27 @@ impl Problem {
         time_bounds.extend(within.1);
         let marks = marks(scene, sketch, &event_is_free, &nodes.acted_s);
         let mut held = Vec::new();
-        let hold = |event| {
-            let of = hold(scene, sketch, &roles, &nodes.acted_s, event)?;
-            held.push(of);
+        let posed = PosedHands {
+            scene,
+            sketch,
+            roles: &roles,
+            nodes_acted_s: &nodes.acted_s,
+        };
+        let mut hold = |of: Option<HeldState>| {
+            held.push(of?);
             Some(held.len() - 1)
         };
-        let collisions = collisions(scene, &arcs, &roles, &gravity_parameters, &parameter, hold);
+        let collisions = collisions(
+            scene,
+            &arcs,
+            &roles,
+            &gravity_parameters,
+            &parameter,
+            |of| hold(posed.hit(of)),
+        );
+        let changes = support::changes(scene, &arcs, &gravity_parameters, |phase, event| {
+            hold(posed.gripped(phase, event))
+        });
         Self {
             conditions: conditions(scene, &arcs, &collisions, &gravity_parameters),
             // What is apart has no arcs: any body stands for it.
@@ -151,8 +168,9 @@ impl Problem {
                 .iter()
                 .filter_map(|of| Some(scene.links[of.links().next()?].body))
                 .collect(),
-            changes: support::changes(scene, &arcs, &gravity_parameters),
+            changes,
             supports: support::supports(scene, &arcs),
+            grips: support::grips(scene, sketch),
             gravity_m_s2: scene.gravity_m_s2,
             collisions,
             held,
@@ -392,40 +410,6 @@ fn collisions(
 }
 
 /// The held body at a collision with one.
-fn hold(
-    scene: &Scene,
-    sketch: &Sketch,
-    roles: &[Role],
-    nodes_acted_s: &[f64],
-    event: usize,
-) -> Option<HeldState> {
-    let collision = scene.events[event].kind.collision()?;
-    let link = collision.links().find(|link| scene.is_held(*link))?;
-    let track = scene
-        .tracks
-        .keys()
-        .find(|track| scene.tracks[*track].link == link)?;
-    let motion = sketch.tracks[track].held.as_ref();
-    let motion = motion.expect("a motion that an earlier stage found");
-    let acting = roles
-        .iter()
-        .filter(|role| role.owner == Owner::Track(track));
-    let nodes = match scene.timing {
-        Timing::Unknown { .. } => EventMark::nodes_about(nodes_acted_s, sketch.marks_s[event]),
-        Timing::Known | Timing::Edited => None,
-    };
-    Some(HeldState::new(
-        track,
-        motion,
-        &scene.tracks[track].link_from_tracker,
-        motion
-            .meeting(event)
-            .expect("a meeting at each of its collisions"),
-        acting.map(|role| role.acting(None)).collect(),
-        nodes,
-    ))
-}
-
 fn goals(scene: &Scene, arcs: &[Arc]) -> Vec<ArcGoal> {
     let mut goals = Vec::new();
     for goal in &scene.goals {

@@ -19,7 +19,7 @@ use self::weave::Weave;
 use crate::math::Pose;
 use crate::motion::held::StateCovariance;
 use crate::motion::{
-    Cone, FreeParameter, HeldMotion, MechanismIndex, Performer, Stamp, TrackIndex,
+    Cone, FreeParameter, HeldMotion, LinkIndex, MechanismIndex, Performer, Stamp, TrackIndex,
 };
 use crate::physics::impact::{ContactSet, Law};
 use crate::physics::support::Caught;
@@ -281,19 +281,30 @@ impl ArcCollision {
     }
 }
 
-/// An event at which a motion on a support ends, or begins, without an impact.
+/// An event at which a motion on a support or in a hand ends, or begins, without an impact.
 #[derive(Clone, Debug)]
 pub struct ArcChange {
     /// The event.
     pub event: usize,
-    /// The arcs before and after it.
-    pub sides: ArcPair,
+    /// What moves the body before and after it; an arc at least on one side.
+    pub sides: [Moving; 2],
+    /// Whether its velocities go on, too: not where a hand takes it, or puts it down.
+    pub keeps_velocities: bool,
     /// Whether friction ends the slip there.
     pub slip_ends: bool,
     /// What catches the body there: its impulse ends what of the velocities it does not allow.
     pub caught: Option<Caught>,
     /// Parameters that act on its arcs; gravity among them.
     pub acting: Vec<Acting>,
+}
+
+/// What moves a body beside an event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moving {
+    /// Its own motion (index into [`Problem::arcs`]).
+    Arc(usize),
+    /// A hand (index into [`Problem::held`]).
+    Hand(usize),
 }
 
 /// What holds from the beginning of an arc where a body is on a support without an impact.
@@ -324,19 +335,23 @@ pub enum SupportPlace {
     },
 }
 
-/// A held body at one of its collisions.
+/// A held body at one of its collisions, or what is in a hand where that takes it or lets go.
 #[derive(Clone, Debug)]
 pub struct HeldState {
-    /// The collision (index into `Scene::events`).
+    /// The event (index into `Scene::events`).
     pub event: usize,
-    /// Its tracker.
+    /// The body.
+    pub link: LinkIndex,
+    /// Its tracker, or that of the hand.
     pub track: TrackIndex,
-    /// How its tracker moves.
+    /// How that tracker moves.
     pub motion: HeldMotion,
     /// Link from tracker.
     pub mount: Pose,
     /// `c^½ L⁻¹`.
     pub root: StateCovariance,
+    /// Covariance of the body's state where its own tracker shows both what is held and what flies, so that a hand strays in both.
+    pub strays_from: Option<StateCovariance>,
     /// Parameters of the tracker.
     pub acting: Vec<Acting>,
     /// The nodes of the time map about the event, where sample times are unknown.
@@ -488,7 +503,7 @@ pub struct Problem {
     pub waypoints: Vec<Waypoint>,
     /// Collisions.
     pub collisions: Vec<ArcCollision>,
-    /// Held bodies at their collisions.
+    /// Held bodies at their collisions, and what is in a hand where that takes it or lets go.
     pub held: Vec<HeldState>,
     /// Goals that are poses or coordinates.
     pub goals: Vec<ArcGoal>,
@@ -500,6 +515,8 @@ pub struct Problem {
     pub changes: Vec<ArcChange>,
     /// Where motions on a support begin with the performance.
     pub supports: Vec<ArcSupport>,
+    /// Events between which a hand moves something.
+    pub grips: Vec<[usize; 2]>,
     /// Order of samples whose times are not known.
     pub sample_orders: Vec<SampleOrder>,
     /// Bounds of events' times.
@@ -560,15 +577,17 @@ impl Problem {
     /// `(n/48)(u_constraint/u_residual)²` with `n` samples per arc, the greater of positions' and
     /// orientations'. Weights of constraints and damping are multiples of it, so that the way to
     /// the optimum depends neither on the number of samples nor on the weights' scale.
+    /// One where nothing is seen of what flies.
     pub fn information(&self) -> f64 {
         let [position, orientation] = self.informations();
-        position.max(orientation)
+        let greater = position.max(orientation);
+        if greater > 0.0 { greater } else { 1.0 }
     }
 
     /// [`Problem::information`] with the lesser of positions' and orientations', where both are seen.
     pub fn least_information(&self) -> f64 {
         let seen = self.informations().into_iter().filter(|of| *of > 0.0);
-        seen.reduce(f64::min).unwrap_or(0.0)
+        seen.reduce(f64::min).unwrap_or(1.0)
     }
 
     /// Information of positions and of orientations.

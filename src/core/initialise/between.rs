@@ -26,8 +26,8 @@ pub(super) fn open(epoch_s: f64, sample_times_s: Vec<f64>) -> ArcGuess {
     }
 }
 
-/// Sets the states of the flights that are not fitted, at their epochs. A flight before them is
-/// always fitted, since only an impact leads to one with few samples.
+/// Sets the states of the flights that are not fitted and that no hand begins, at their epochs. A flight before them is known,
+/// since only an impact leads to one with few samples.
 pub(super) fn fill(
     scene: &Scene,
     segments: &[Segment],
@@ -40,7 +40,8 @@ pub(super) fn fill(
             let Some(start) = segments[*index].start_event else {
                 continue;
             };
-            if is_fitted(&segments[*index]) || place == 0 {
+            let is_let_go = scene.hand_beside(mechanism, start, false);
+            if is_fitted(&segments[*index]) || place == 0 || is_let_go {
                 continue;
             }
             let start_s = event_times_s[start];

@@ -6,7 +6,7 @@ use super::clock;
 use super::fit::ArcFit;
 use super::readings::Readings;
 use super::turn::{self, OrientationReading};
-use super::{carried, crossing, keyed, open_times, pointing, roll, swing, tied, unseen};
+use super::{carried, crossing, keyed, open_times, pointing, released, roll, swing, tied, unseen};
 use crate::motion::{Guess, Observer, Quantity, Scene, Segment, Sketch, SupportedBy, Timing};
 use crate::physics::State;
 
@@ -197,6 +197,7 @@ pub fn guess(
         if known.is_some() {
             crossing::place(scene, sketch, segments, guess);
         }
+        released::place(scene, sketch, segments, &rates, guess);
         between::fill(scene, segments, &guess.event_times_s, &mut guess.arcs);
         open_times::place(scene, sketch, segments, guess);
     }
@@ -300,6 +301,16 @@ impl GuessedTimes {
         };
         let span_s =
             |segment: &Segment| sketch.span_s(segment).expect("samples of a fitted flight");
+        if fitted().next().is_none() {
+            // Nothing is seen of what flies: it goes on from a hand.
+            let rate = rates.first().copied().unwrap_or(1.0);
+            return Self {
+                acted_s: vec![0.0],
+                physical_s: vec![0.0],
+                rate_before: rate,
+                rate_after: rate,
+            };
+        }
         let first_s = fitted()
             .map(|(segment, _)| span_s(segment)[0])
             .fold(f64::INFINITY, f64::min);

@@ -19,6 +19,7 @@ mod open_times;
 mod pointing;
 pub mod readings;
 mod rebound;
+mod released;
 mod roll;
 mod swing;
 mod tied;

@@ -10,7 +10,9 @@
 use nalgebra::Vector3;
 
 use super::between::is_fitted;
-use crate::motion::{GoalTarget, Guess, MechanismIndex, Scene, Segment, Sketch};
+use crate::motion::{
+    GoalTarget, Guess, MechanismIndex, Performer, Scene, Segment, Sketch, TrackSketch,
+};
 use crate::physics::flow;
 
 /// Least square error of flights that is believed, in squared units of positions.
@@ -26,22 +28,34 @@ pub fn weigh(scene: &Scene, sketch: &mut Sketch, segments: &[Segment], guess: &G
     let flights = segments.iter().filter(|segment| is_fitted(segment)).count();
     let per_flight = samples as f64 / flights.max(1) as f64;
     let unit_m = scene.weights.position_m;
-    let square = square_off_m2(scene, segments, guess) / (unit_m * unit_m);
-    let counted = (per_flight * square).max(f64::MIN_POSITIVE);
+    let counted = match square_off_m2(scene, segments, guess) {
+        Some(square_m2) => per_flight * square_m2 / (unit_m * unit_m),
+        None => expected_count(scene, sketch, per_flight),
+    };
+    let counted = counted.max(f64::MIN_POSITIVE);
     for mark in sketch.marks.iter_mut().flatten() {
         mark.counted = counted;
     }
     // What is known of a held body keeps some weight beside flights without errors.
     let counted = counted.max(per_flight * LEAST_SQUARE);
-    let held = sketch
-        .tracks
-        .iter_mut()
-        .filter_map(|track| track.held.as_mut());
+    let held = sketch.tracks.iter_mut().flat_map(TrackSketch::motions_mut);
     held.for_each(|motion| motion.counted = counted);
 }
 
-/// Mean square error of flights' positions per axis, from their distances at events \[m²\].
-fn square_off_m2(scene: &Scene, segments: &[Segment], guess: &Guess) -> f64 {
+/// How often samples count where no two flights meet: nobody asks, unless something is in a hand for a while. Where nobody acts
+/// a flight, each of them errs by itself as the tracker does; else all of a flight with the hand.
+fn expected_count(scene: &Scene, sketch: &Sketch, per_flight: f64) -> f64 {
+    let grips = sketch.tracks.iter().flat_map(|track| &track.grips);
+    let noises_m = grips.map(|grip| grip.motion.noise_sd[0]);
+    let noise_m = noises_m.reduce(f64::max);
+    noise_m.map_or(0.0, |noise_m| match scene.performer {
+        Performer::Nobody => (noise_m / scene.weights.position_m).powi(2),
+        Performer::Hand | Performer::Unsaid => per_flight.max(1.0),
+    })
+}
+
+/// Mean square error of flights' positions per axis, from their distances at events \[m²\]; `None` where none tells.
+fn square_off_m2(scene: &Scene, segments: &[Segment], guess: &Guess) -> Option<f64> {
     let arrival = |index: usize, event: usize| {
         let arc = &guess.arcs[index];
         let after_s = guess.event_times_s[event] - arc.epoch_s;
@@ -86,7 +100,7 @@ fn square_off_m2(scene: &Scene, segments: &[Segment], guess: &Guess) -> f64 {
             squares_m2.push(across_m2(apart_m, velocity_m_s, &[]));
         }
     }
-    squares_m2.iter().sum::<f64>() / squares_m2.len().max(1) as f64
+    (!squares_m2.is_empty()).then(|| squares_m2.iter().sum::<f64>() / squares_m2.len() as f64)
 }
 
 /// Mean square per axis perpendicular to the relative velocity: the part along it may be the mark's

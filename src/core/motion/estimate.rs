@@ -6,7 +6,7 @@ use super::certainty::{FlightCertainty, StateDeviation};
 use super::contact_rival::ContactRival;
 use super::doubt::{About, Doubt};
 use super::fit::{Fit, FitUntold, Fits};
-use super::held::HeldEstimate;
+use super::held::{GripEstimate, HeldEstimate};
 use super::index::{LinkIndex, MechanismIndex, TrackIndex};
 use super::joined::TreeEstimate;
 use super::reason::{End, Reason};
@@ -307,14 +307,21 @@ impl Estimate {
         self.fit.as_ref().map_or(Fits::Unknown, |fit| fit.fits)
     }
 
-    /// The motion of a link in the hand.
+    /// The motion of a link that is held throughout.
     pub fn held_motion(&self, link: LinkIndex) -> Option<&HeldEstimate> {
         self.held.iter().find(|held| held.link == link)
     }
 
+    /// The motions of a link while it is in a hand.
+    pub fn grips_of(&self, link: LinkIndex) -> impl Iterator<Item = &GripEstimate> {
+        self.grips.iter().filter(move |of| of.motion.link == link)
+    }
+
     /// Physical times of all used samples: of flights, and of bodies in the hand.
     pub fn all_sample_times(&self) -> impl Iterator<Item = &SampleTime> {
-        let held = self.held.iter().flat_map(|held| &held.sample_times);
+        let gripped = self.grips.iter().map(|of| &of.motion);
+        let held = self.held.iter().chain(gripped);
+        let held = held.flat_map(|held| &held.sample_times);
         self.sample_times.iter().chain(held)
     }
 
@@ -323,10 +330,13 @@ impl Estimate {
         self.trees.iter().find(|tree| tree.mechanism == mechanism)
     }
 
-    /// First and last time of the motion \[s\]: of its flights and trees; `None` where there are none.
+    /// First and last time of the motion \[s\]: of its flights, of what is in a hand for a while, and of trees; `None` where there
+    /// are none.
     pub fn extent_s(&self) -> Option<[f64; 2]> {
         let flights = self.arcs.iter().map(|arc| [arc.start_s, arc.end_s]);
-        let spans = flights.chain(self.trees.iter().map(TreeEstimate::span_s));
+        let grips = self.grips.iter().map(|of| of.span_s);
+        let trees = self.trees.iter().map(TreeEstimate::span_s);
+        let spans = flights.chain(grips).chain(trees);
         spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 
@@ -334,6 +344,9 @@ impl Estimate {
     pub fn end_at(&mut self, end_s: f64) {
         for arc in self.arcs.iter_mut().filter(|arc| arc.start_s < end_s) {
             arc.end_s = arc.end_s.min(end_s);
+        }
+        for grip in self.grips.iter_mut().filter(|of| of.span_s[0] < end_s) {
+            grip.span_s[1] = grip.span_s[1].min(end_s);
         }
         for event in &mut self.events {
             event.time_s = event.time_s.min(end_s);
@@ -408,6 +421,8 @@ pub struct Estimate {
     pub arcs: Vec<ArcEstimate>,
     /// The motions of bodies in the hand.
     pub held: Vec<HeldEstimate>,
+    /// The motions of what is in a hand for a while, body by body, in order of time.
+    pub grips: Vec<GripEstimate>,
     /// The motions of bodies joined in trees.
     pub trees: Vec<TreeEstimate>,
     /// The scene's events.

@@ -62,15 +62,15 @@ pub use sample_time::SampleTime;
 pub use scene::{
     Against, AtPivot, Axes, BodyPoint, Collision, CollisionError, Combination, Condition, Cone,
     ContactLaw, Event, EventKind, EventTime, Feature, FreeBody, FreeParameter, Goal, GoalEstimate,
-    GoalQuantity, GoalSet, GoalTarget, GoalUnit, Group, Held, Joint, JointEnd, JointTree, Link,
-    Mechanism, Moment, Obstacle, OnSurface, Partner, Performer, Quantity, RestGoal, Scene, Sees,
-    SupportPhase, SupportedBy, Surface, Timing, Together, Touching, Track, TreeTouch, Untold,
+    GoalQuantity, GoalSet, GoalTarget, GoalUnit, Group, Held, InHand, Joint, JointEnd, JointTree,
+    Link, Mechanism, Moment, Obstacle, OnSurface, Partner, Performer, Quantity, RestGoal, Scene,
+    Sees, SupportPhase, SupportedBy, Surface, Timing, Together, Touching, Track, TreeTouch, Untold,
     VelocityGaps, Weighing, Weights,
 };
 pub use settled::{Settled, SettledLink};
 pub use sketch::{
-    DropReason, MarkChanges, MarkTime, Sample, SampleCounts, Seen, Segment, Sketch, TrackSketch,
-    View,
+    DropReason, Grip, MarkChanges, MarkTime, Sample, SampleCounts, Seen, Segment, Sketch,
+    TrackSketch, View,
 };
 pub use snap::SnapError;
 pub use spread::{LinkSpread, Spread};

@@ -96,6 +96,17 @@ pub struct TrackSketch {
     pub are_written: bool,
     /// The motion that they show of a body in the hand.
     pub held: Option<HeldMotion>,
+    /// The motions that they show of what is in a hand for a while.
+    pub grips: Vec<Grip>,
+}
+
+/// The motion of a body in a hand in one of its phases.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grip {
+    /// Index into `Scene::phases`.
+    pub phase: usize,
+    /// How the tracker moves.
+    pub motion: HeldMotion,
 }
 
 /// A whole performance.
@@ -120,11 +131,31 @@ impl TrackSketch {
             open_times_s: BTreeMap::new(),
             are_written: false,
             held: None,
+            grips: Vec::new(),
         }
+    }
+
+    /// All motions that they show of what is in a hand.
+    pub fn motions(&self) -> impl Iterator<Item = &HeldMotion> {
+        self.held
+            .iter()
+            .chain(self.grips.iter().map(|of| &of.motion))
+    }
+
+    /// The same, to be changed.
+    pub fn motions_mut(&mut self) -> impl Iterator<Item = &mut HeldMotion> {
+        let grips = self.grips.iter_mut().map(|of| &mut of.motion);
+        self.held.iter_mut().chain(grips)
     }
 }
 
 impl Sketch {
+    /// How a tracker moves that shows what is in a hand in a phase (index into `Scene::phases`).
+    pub fn grip(&self, phase: usize) -> Option<&HeldMotion> {
+        let mut grips = self.tracks.iter().flat_map(|track| &track.grips);
+        Some(&grips.find(|grip| grip.phase == phase)?.motion)
+    }
+
     /// Stamps at which the motion of a scene with joined bodies begins and ends \[s\]: the events, or the first and the
     /// last sample.
     pub fn whole_span_s(&self, scene: &Scene) -> [f64; 2] {

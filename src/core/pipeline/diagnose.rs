@@ -41,6 +41,8 @@ const NEAR: f64 = 2.5;
 const FAR: f64 = 3.5;
 /// Least ratio of the distances without and with a remedy.
 const GAIN: f64 = 2.0;
+/// The same that a remedy must leave at least: one that leaves less of next to nothing explains nothing.
+const LEAST: f64 = 0.01;
 /// Greatest distance with a remedy, in the scene's weights.
 const EXPLAINED: f64 = 5.0;
 /// Remedies whose distances differ by less than this ratio explain alike; the simplest of them is said.
@@ -104,6 +106,9 @@ pub(super) fn diagnose(
     };
     let without = motion.as_ref().map(TriedMotion::distance);
     let most = without.map_or(f64::INFINITY, |without| misfit(scene, &without) / GAIN);
+    if most < LEAST {
+        return Vec::new();
+    }
     let mut found: Vec<(f64, Diagnosis)> = Vec::new();
     let remedies = if outcome.is_some_and(|outcome| is_well(outcome, FAR)) {
         let turned = mount::turned(&facts);

@@ -162,6 +162,8 @@ impl<'a> Acted<'a> {
                 | EventKind::Waypoint(_) => *event_s,
             };
         }
+        // What is in a hand is there for another time.
+        segment::hold(self.scene, &mut sketch).ok()?;
         let segments = segment::cut(self.scene, &sketch).ok()?;
         (segments != self.segments).then_some(Assigned { sketch, segments })
     }

@@ -148,6 +148,7 @@ impl Groups {
                 whole.reason.unfinished_after_steps.or(unfinished);
             whole.objective += estimate.objective;
             whole.arcs.extend(estimate.arcs.iter().cloned());
+            whole.grips.extend(estimate.grips.iter().cloned());
             whole.trees.extend(estimate.trees.iter().cloned());
             whole.parameters.extend(estimate.parameters.iter().cloned());
             whole

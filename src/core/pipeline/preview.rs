@@ -122,7 +122,7 @@ impl Preview {
             sketch.marks.clone_from(&last.outcome.sketch.marks);
             let tracks = sketch.tracks.iter_mut().zip(&last.outcome.sketch.tracks);
             for (track, last) in tracks {
-                if let (Some(held), Some(last)) = (&mut track.held, &last.held) {
+                for (held, last) in track.motions_mut().zip(last.motions()) {
                     held.counted = last.counted;
                 }
             }

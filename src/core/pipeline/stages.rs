@@ -5,7 +5,8 @@ use super::outcome::{Outcome, PipelineError};
 use crate::estimate::Recipe;
 use crate::initialise;
 use crate::motion::{
-    Doubt, DropReason, Observer, Phase, SampleCounts, Scene, Segment, Sketch, Verdict, Verification,
+    Doubt, DropReason, Observer, Phase, SampleCounts, Scene, Segment, Sketch, TrackIndex, Verdict,
+    Verification,
 };
 use crate::segment::{self, SegmentError};
 use crate::verify::credible;
@@ -41,6 +42,7 @@ pub(super) fn cut(
         }
         rounds += segment::refine(scene, sketch);
     }
+    segment::regrip(scene, sketch);
     segment::loosen(scene, sketch);
     segment::hold(scene, sketch)?;
     let segments = segment::cut(scene, sketch)?;
@@ -95,10 +97,35 @@ pub(super) fn account(
         let last = of_track().map(|view| view.samples.end).max();
         let (first, last) = (first.unwrap_or(0), last.unwrap_or(0));
         let used: usize = of_track().map(|view| view.samples.len()).sum();
+        // What is in a hand is told by all samples of it.
+        let gripped = gripped(scene, sketch, index);
+        if let Some([from, until]) = gripped {
+            let outside = from.min(first) + track.samples.len() - until.max(last);
+            let within = track.samples.len() - outside;
+            counts.used += within - used;
+            counts.drop(DropReason::BeforeStart, from.min(first));
+            counts.drop(DropReason::AfterEnd, track.samples.len() - until.max(last));
+            continue;
+        }
         counts.drop(DropReason::BeforeStart, first);
         counts.drop(DropReason::NearCollision, last - first - used);
         counts.drop(DropReason::AfterEnd, track.samples.len() - last);
     }
+}
+
+/// From the first sample of a body in a hand to after the last, of its own tracker; `None` where it is in none.
+fn gripped(scene: &Scene, sketch: &Sketch, track: TrackIndex) -> Option<[usize; 2]> {
+    let own = scene.phases.iter().filter(|phase| {
+        let hand = phase.in_hand();
+        hand.is_some_and(|hand| hand.track == track) && scene.tracks[track].link == phase.link
+    });
+    let samples = &sketch.tracks[track].samples;
+    let ends = own.map(|phase| {
+        let [from_s, until_s] = phase.events.map(|event| sketch.marks_s[event]);
+        let from = samples.partition_point(|of| of.acted_s < from_s);
+        [from, samples.partition_point(|of| of.acted_s <= until_s)]
+    });
+    ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
 }
 
 /// Doubts about a motion whose gaps are closed: from the checks that were made, and from its

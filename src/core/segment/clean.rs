@@ -459,6 +459,7 @@ fn sketch(
             open_times_s,
             are_written: stream.iter().any(|reading| reading.is_written(events)),
             held: None,
+            grips: Vec::new(),
         });
     }
     Sketch {

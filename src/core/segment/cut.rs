@@ -16,14 +16,18 @@ const NEAR_COLLISION_INTERVALS: f64 = 1.0;
 /// numbers as a state.
 pub const SAMPLES_MIN: usize = 3;
 
-/// Least number of samples of a segment. A flight that a collision begins needs none: the
-/// impact hands its state on. Of keyframes one is enough: those of other flights tell the rest.
+/// Least number of samples of a segment. A flight that a collision begins needs none, nor one that begins
+/// in a hand: the impact or the hand tells its state. Of keyframes one is enough: those of other flights tell the rest.
 pub fn samples_min(scene: &Scene, sketch: &Sketch, start_event: Option<usize>) -> usize {
-    let begins = start_event.and_then(|event| scene.events[event].kind.collision());
-    match begins {
-        Some(_) => 0,
-        None if scene.is_keyframed(sketch) => 1,
-        None => SAMPLES_MIN,
+    let is_told = start_event.is_some_and(|event| {
+        let kind = &scene.events[event].kind;
+        let lets_go = |link| scene.hand_beside(scene.mechanism_of(link), event, false);
+        kind.collision().is_some() || kind.change().is_some_and(lets_go)
+    });
+    match is_told {
+        true => 0,
+        false if scene.is_keyframed(sketch) => 1,
+        false => SAMPLES_MIN,
     }
 }
 
@@ -63,7 +67,9 @@ fn cut_mechanism(
     let events = (0..scene.events.len()).filter(|event| scene.concerns(*event, mechanism));
     let mut start_event = None;
     for end_event in events.map(Some).chain([None]) {
-        if !is(end_event, &EventKind::Start) && !is(start_event, &EventKind::End) {
+        let is_driven = scene.is_in_hand(mechanism, [start_event, end_event]);
+        let is_within = !is(end_event, &EventKind::Start) && !is(start_event, &EventKind::End);
+        if is_within && !is_driven {
             let views = tracks.iter().map(|(track, window_s)| View {
                 track: *track,
                 samples: between(scene, sketch, *track, [start_event, end_event], *window_s),
@@ -105,7 +111,13 @@ fn between(
     let samples = &sketch.tracks[track].samples;
     let marks_s = &sketch.marks_s;
     let window_s = |event: usize| match scene.events[event].kind {
-        EventKind::Start | EventKind::Change(_) | EventKind::Waypoint(_) | EventKind::End => 0.0,
+        EventKind::Change(link) => {
+            let mechanism = scene.mechanism_of(link);
+            let is_hand = |is_after| scene.hand_beside(mechanism, event, is_after);
+            let is_beside = is_hand(false) || is_hand(true);
+            if is_beside { window_s } else { 0.0 }
+        }
+        EventKind::Start | EventKind::Waypoint(_) | EventKind::End => 0.0,
         EventKind::Collision(_) | EventKind::Collisions { .. } => window_s,
     };
     let ended = |event: usize| {

@@ -1,14 +1,19 @@
 //! The motions of the bodies in the hand, from their samples.
 
+use super::cut::median_interval_s;
 use super::error::SegmentError;
 use super::smooth::{SAMPLES_MIN, smoothed};
-use crate::motion::{Held, HeldMotion, Scene, Sketch, TrackIndex};
+use crate::motion::{Grip, Held, HeldMotion, InHand, Scene, Sketch, SupportPhase, TrackIndex};
+use crate::physics::Sustained;
 
 /// A collision is seen if samples before and after it are nearer than this \[s\].
 const SEEN_S: f64 = 0.1;
 
 /// Joined bodies hang from a hand that is seen at least so often \[s\].
 const GAP_S: f64 = 0.1;
+
+/// The motion of what is picked up is told from so long before on \[s\].
+const PICKED_S: f64 = 0.1;
 
 /// Sets the motions of the bodies in the hand from their samples.
 ///
@@ -26,7 +31,90 @@ pub fn hold(scene: &Scene, sketch: &mut Sketch) -> Result<(), SegmentError> {
             sketch.tracks[track].held = Some(motion);
         }
     }
+    grip(scene, sketch)
+}
+
+/// Sets the motions of what is in a hand for a while.
+fn grip(scene: &Scene, sketch: &mut Sketch) -> Result<(), SegmentError> {
+    let known: Vec<Grip> = sketch
+        .tracks
+        .iter_mut()
+        .flat_map(|track| std::mem::take(&mut track.grips))
+        .collect();
+    for (index, phase) in scene.phases.iter().enumerate() {
+        let Some(hand) = phase.in_hand() else {
+            continue;
+        };
+        if !scene.moves(scene.mechanism_of(phase.link)) {
+            continue;
+        }
+        let hits = phase.events.into_iter();
+        let hits = hits.filter(|event| scene.events[*event].kind.change().is_some());
+        let hits: Vec<(usize, f64)> = hits.map(|event| (event, sketch.marks_s[event])).collect();
+        let mut motion = match &scene.link_seen_by(hand.track).held {
+            // The hand itself is tracked, and moves on.
+            Some(held) => of_hand(scene, sketch, hand.track, held, hits)?,
+            None => gripped(scene, sketch, hand, phase.events, &hits)?,
+        };
+        if !motion.is_finite() {
+            return Err(SegmentError::HeldNotFinite {
+                body: scene.links[phase.link].name.clone(),
+            });
+        }
+        // How often it counts was found with flights that were cut otherwise.
+        if let Some(known) = known.iter().find(|known| known.phase == index) {
+            motion.counted = known.motion.counted;
+        }
+        let grips = &mut sketch.tracks[hand.track].grips;
+        grips.push(Grip {
+            phase: index,
+            motion,
+        });
+    }
     Ok(())
+}
+
+/// What a body's own tracker shows of it while it is in a hand.
+fn gripped(
+    scene: &Scene,
+    sketch: &Sketch,
+    hand: &InHand,
+    events: [usize; 2],
+    hits: &[(usize, f64)],
+) -> Result<HeldMotion, SegmentError> {
+    let of = &sketch.tracks[hand.track];
+    let interval_s = median_interval_s(of);
+    // As beside a collision, a sample next to a change may belong to either side.
+    let beside_s = events.map(|event| match scene.events[event].kind.change() {
+        Some(_) => interval_s,
+        None => 0.0,
+    });
+    // What is picked up lies still in the hand, too: its motion begins so smoothly that nothing tells when.
+    let mechanism = scene.mechanism_seen_by(hand.track);
+    let before = scene.phase_beside(mechanism, events[0], false);
+    let lay = before.and_then(SupportPhase::on_surface);
+    let is_picked_up = lay.is_some_and(|on| on.sustained == Sustained::Rest);
+    let begun_s = if is_picked_up { -PICKED_S } else { beside_s[0] };
+    let from_s = sketch.marks_s[events[0]] + begun_s;
+    let until_s = sketch.marks_s[events[1]] - beside_s[1];
+    let first = of.samples.partition_point(|of| of.acted_s < from_s);
+    let last = of.samples.partition_point(|of| of.acted_s <= until_s);
+    let samples = &of.samples[first..last.max(first)];
+    if samples.len() < SAMPLES_MIN {
+        return Err(SegmentError::HeldSamples {
+            body: scene.link_seen_by(hand.track).name.clone(),
+            samples: samples.len(),
+            expected: SAMPLES_MIN,
+        });
+    }
+    let tracker = Held::default();
+    Ok(smoothed(
+        samples,
+        interval_s,
+        &hand.link_from_tracker,
+        &tracker,
+        hits,
+    ))
 }
 
 fn motion(
@@ -34,6 +122,23 @@ fn motion(
     sketch: &Sketch,
     track: TrackIndex,
     held: &Held,
+) -> Result<HeldMotion, SegmentError> {
+    let link = scene.tracks[track].link;
+    let hits = (0..scene.events.len()).filter(|event| {
+        let collision = scene.events[*event].kind.collision();
+        collision.is_some_and(|collision| collision.links().any(|other| other == link))
+    });
+    let hits = hits.map(|event| (event, sketch.marks_s[event])).collect();
+    of_hand(scene, sketch, track, held, hits)
+}
+
+/// How the tracker of a held body moves, which hits something, lets go of something or catches it at these events.
+fn of_hand(
+    scene: &Scene,
+    sketch: &Sketch,
+    track: TrackIndex,
+    held: &Held,
+    hits: Vec<(usize, f64)>,
 ) -> Result<HeldMotion, SegmentError> {
     let of = &sketch.tracks[track];
     let body = || scene.link_seen_by(track).name.clone();
@@ -44,15 +149,9 @@ fn motion(
             expected: SAMPLES_MIN,
         });
     }
-    let link = scene.tracks[track].link;
-    if scene.carries(link) {
+    if scene.carries(scene.tracks[track].link) {
         check_gaps(scene, sketch, track)?;
     }
-    let hits = (0..scene.events.len()).filter(|event| {
-        let collision = scene.events[*event].kind.collision();
-        collision.is_some_and(|collision| collision.links().any(|other| other == link))
-    });
-    let hits: Vec<(usize, f64)> = hits.map(|event| (event, sketch.marks_s[event])).collect();
     for (event, time_s) in &hits {
         let after = of.samples.partition_point(|s| s.acted_s <= *time_s);
         let before_s = after
@@ -74,7 +173,8 @@ fn motion(
         }
     }
     Ok(smoothed(
-        of,
+        &of.samples,
+        median_interval_s(of),
         &scene.tracks[track].link_from_tracker,
         held,
         &hits,

@@ -7,7 +7,7 @@
 //! readings arrived. Where marks are absent, [`propose()`] finds collisions in the stream,
 //! in a whole toss (`toss`) where a flight ends.
 //! [`refine()`] moves each mark to the kink of the motion near it, [`relocate_marks()`] moves marks
-//! that are far from any kink, and [`cut()`] makes the segments.
+//! that are far from any kink, [`regrip()`] those at which a hand lets go of something, and [`cut()`] makes the segments.
 //! [`hold()`] smooths the streams of bodies in the hand, which have no flights.
 
 pub mod clean;
@@ -22,6 +22,7 @@ mod prefix;
 pub mod propose;
 mod reading;
 pub mod refine;
+mod regrip;
 pub mod relocate;
 mod seen;
 pub mod smooth;
@@ -33,4 +34,5 @@ pub use error::SegmentError;
 pub use hold::hold;
 pub use propose::{Proposal, ends_of_motion_s, propose};
 pub use refine::{loosen, refine};
+pub use regrip::regrip;
 pub use relocate::relocate_marks;

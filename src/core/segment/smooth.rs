@@ -14,12 +14,13 @@ mod tests;
 
 use std::ops::Range;
 
+use nalgebra::Vector3;
+
 use self::chain::{Chain, Nines, PlaceChain, TurnChain};
 use self::filter::{Believed, Noises, Timed};
-use super::cut::median_interval_s;
 use crate::math::Pose;
 use crate::motion::held::{Curve, Driven, HeldMotion, Knot, Meeting, StateCovariance};
-use crate::motion::{Held, TrackSketch};
+use crate::motion::{Held, Sample};
 use crate::physics::State;
 use crate::physics::state::part;
 
@@ -34,18 +35,19 @@ const NEAR_MAX: usize = 240;
 /// there are.
 const LEAST_SD: [f64; 2] = [1e-5, 5e-5];
 
-/// The smoothed motion of the tracker that shows these poses of its link, which hits something at
-/// some events, with their acted times.
+/// The smoothed motion of the tracker that shows these poses of its link, every so often \[s\], which hits something, is let
+/// go or caught at some events, with their acted times.
 ///
 /// # Panics
 /// With fewer than [`SAMPLES_MIN`] samples.
 pub fn smoothed(
-    track: &TrackSketch,
+    samples: &[Sample],
+    interval_s: f64,
     link_from_tracker: &Pose,
     held: &Held,
     hits: &[(usize, f64)],
 ) -> HeldMotion {
-    let poses = track.samples.iter().filter_map(|sample| {
+    let poses = samples.iter().filter_map(|sample| {
         let place = sample.seen.position_m()?;
         let world_from_link = Pose::from_parts(place.into(), sample.seen.orientation()?);
         Some((sample.acted_s, world_from_link * link_from_tracker))
@@ -54,7 +56,7 @@ pub fn smoothed(
     let marks_s: Vec<f64> = hits.iter().map(|(_, time_s)| *time_s).collect();
     let tracked = Tracked {
         near: near(&poses, &marks_s),
-        interval_s: median_interval_s(track),
+        interval_s,
         poses,
         marks_s,
     };
@@ -77,11 +79,18 @@ pub fn smoothed(
     let meetings = hits.iter().map(|(event, acted_s)| {
         let at = times_s.partition_point(|time_s| time_s < acted_s);
         let at = at.min(times_s.len() - 1);
-        let [place, turn] = [places.states[at].covariance, turns.states[at].covariance];
+        // What is taken or hit before it was seen is a little less certain there.
+        let by_s = (acted_s - times_s[at]).min(0.0);
+        let place = filter::beyond(&places.states[at], by_s, &places.noises).covariance;
+        let turn = filter::beyond(&turns.states[at], by_s, &turns.noises).covariance;
         Meeting {
             event: *event,
             acted_s: *acted_s,
             covariance: covariance(&place, &turn),
+            acceleration_sds: [&place, &turn].map(|of| {
+                let variances = of.diagonal();
+                (variances.rows(6, 3).sum() / 3.0).sqrt()
+            }),
         }
     });
     let sd = [places.noises, turns.noises].map(|noises| noises.reading.sqrt());
@@ -91,6 +100,23 @@ pub fn smoothed(
         noise_sd: sd,
         counted: 1.0,
     }
+}
+
+/// How surprising places are as those of a hand's motion, up to each of them (minus twice the logarithm of the likelihood of
+/// all before), with the variance of a reading \[m²\]: the noises are told by the first `told` places, every so often.
+pub fn surprises(places: &[(f64, Vector3<f64>)], told: usize, interval_s: f64) -> (f64, Vec<f64>) {
+    let timed: Vec<Timed<Vector3<f64>>> = places
+        .iter()
+        .map(|(time_s, place_m)| Timed {
+            time_s: *time_s,
+            reading: Some(*place_m),
+        })
+        .collect();
+    let told = timed[..told.min(timed.len())].to_vec();
+    let noises = likelihood::credible::<PlaceChain>(&[told], interval_s, None, LEAST_SD[0]);
+    let sums = filter::surprises::<PlaceChain>(&timed, &noises).into_iter();
+    let costs = sums.map(|sum| sum.log_determinant + sum.square);
+    (noises.reading, std::iter::once(0.0).chain(costs).collect())
 }
 
 /// What is believed of a chain at all times, with the noises that explain its readings.

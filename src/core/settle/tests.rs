@@ -55,6 +55,7 @@ pub(super) fn estimate(scene: &Scene, state: State) -> Estimate {
             certainty: None,
         }],
         held: Vec::new(),
+        grips: Vec::new(),
         trees: Vec::new(),
         events: Vec::new(),
         duration: DurationEstimate {

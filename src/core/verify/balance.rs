@@ -35,7 +35,7 @@ const PARALLEL: f64 = 1e-9;
 pub(super) fn balance(world: &World) -> Balance {
     let mut balance = Balance::default();
     for link in world.links.iter().filter(|link| link.held.is_none()) {
-        for arc in &link.arcs {
+        for arc in link.arcs.iter().filter(|arc| link.grip(arc).is_none()) {
             let ends = [arc.start_s, arc.end_s].map(|time_s| link.state(arc, time_s));
             let duration_s = arc.end_s - arc.start_s;
             flight(world, link, &ends, duration_s, arc.support, &mut balance);

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::bound::SpeedBound;
 use super::link::JoinedLink;
-use crate::motion::held::HeldEstimate;
+use crate::motion::held::{GripEstimate, HeldEstimate};
 use crate::motion::{ArcEstimate, Estimate, Link, LinkIndex, Scene};
 use crate::physics::shape::Solid;
 use crate::physics::{State, flow};
@@ -16,10 +16,12 @@ pub(super) struct MovingLink<'a> {
     pub(super) radius_m: f64,
     /// Which of its features the scene declares besides the shape's own: to find them all faces are computed.
     is_declared: Vec<bool>,
-    /// Of a held link, what of its motion lies between its collisions.
+    /// Of a held link, what of its motion lies between its collisions; with what it does in a hand for a while.
     pub(super) arcs: Vec<ArcEstimate>,
     /// Its motion, if it is held.
     pub(super) held: Option<&'a HeldEstimate>,
+    /// Its motions while it is in a hand.
+    grips: Vec<&'a GripEstimate>,
     /// Its motion, if it is joined to others.
     joined: Option<JoinedLink<'a>>,
     gravity_m_s2: Vector3<f64>,
@@ -35,7 +37,21 @@ impl<'a> MovingLink<'a> {
         let arcs = match (held, &joined) {
             (Some(held), _) => between_collisions(held, scene, index, estimate),
             (None, Some(joined)) => joined.arcs(),
-            (None, None) => estimate.arcs.iter().filter(is_its).cloned().collect(),
+            (None, None) => {
+                let flights = estimate.arcs.iter().filter(is_its).cloned();
+                let grips = estimate.grips_of(index).map(|of| ArcEstimate {
+                    mechanism,
+                    epoch_s: of.span_s[0],
+                    state: of.state(of.span_s[0]),
+                    start_s: of.span_s[0],
+                    end_s: of.span_s[1],
+                    support: None,
+                    certainty: None,
+                });
+                let mut arcs: Vec<ArcEstimate> = grips.chain(flights).collect();
+                arcs.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
+                arcs
+            }
         };
         Self {
             of_scene,
@@ -50,6 +66,7 @@ impl<'a> MovingLink<'a> {
             },
             arcs,
             held,
+            grips: estimate.grips_of(index).collect(),
             joined,
             gravity_m_s2: estimate.gravity_m_s2,
         }
@@ -60,10 +77,19 @@ impl<'a> MovingLink<'a> {
         &self.is_declared
     }
 
+    /// What moves it on an arc, if a hand does that for a while.
+    pub(super) fn grip(&self, arc: &ArcEstimate) -> Option<&'a GripEstimate> {
+        let is_it = |of: &&&GripEstimate| of.span_s == [arc.start_s, arc.end_s];
+        self.grips.iter().find(is_it).copied()
+    }
+
     /// The state on an arc.
     pub(super) fn state(&self, arc: &ArcEstimate, time_s: f64) -> State {
         if let Some(held) = self.held {
             return held.state(time_s);
+        }
+        if let Some(grip) = self.grip(arc) {
+            return grip.state(time_s);
         }
         if let Some(joined) = &self.joined {
             return joined.state(arc, time_s);
@@ -85,7 +111,8 @@ impl<'a> MovingLink<'a> {
 
     /// Upper bound of the speed of all points of the link on a part of an arc [m/s]: `|v| + |ω| r`.
     pub(super) fn speed_bound_m_s(&self, arc: &ArcEstimate, from_s: f64, to_s: f64) -> f64 {
-        if let Some(held) = self.held {
+        let grip = self.grip(arc).map(|of| &of.motion);
+        if let Some(held) = self.held.or(grip) {
             let [speed, spin] = held.curve.speed_bounds(from_s, to_s);
             return speed + spin * self.radius_m;
         }

@@ -65,6 +65,7 @@ pub(super) fn shoot<'w>(world: &'w World<'w>) -> SingleShot {
             shot.advance(link, event.time_s);
             shot.compare(link, Some(event.event), event.time_s);
             shot.catch(link, event.time_s);
+            shot.put_down(link, event.time_s);
         }
     }
     shot.end();
@@ -121,6 +122,19 @@ impl FreeShot<'_> {
         }
     }
 
+    /// Begins again where a hand puts a body down: that ends its velocities.
+    fn put_down(&mut self, index: LinkIndex, time_s: f64) {
+        let link = &self.world.links[index];
+        let arcs = (link.ending_at(time_s), link.starting_at(time_s));
+        let (Some(before), Some(after)) = arcs else {
+            return;
+        };
+        let is_put = link.grip(before).is_some() && after.support.is_some();
+        if is_put {
+            self.restart(index, time_s);
+        }
+    }
+
     /// Changes the velocities of the bodies that collide; `None` where the impact is undetermined.
     fn bounce(&mut self, law: &CheckedLaw) -> Option<()> {
         let state = |link: LinkIndex| Some(self.flights[link]?.state);
@@ -153,6 +167,10 @@ impl FreeShot<'_> {
         let middle_s = 0.5 * (time_s + flight.time_s);
         let arcs = &self.world.links[link].arcs;
         let on = arcs.iter().rfind(|arc| arc.start_s <= middle_s);
+        let in_hand = on.and_then(|arc| self.world.links[link].grip(arc));
+        if let Some(grip) = in_hand {
+            return Some(grip.state(time_s));
+        }
         let body = &self.world.scene.links[link].body;
         let body = &body.with_support(on.and_then(|arc| arc.support));
         let gravity = &self.world.estimate.gravity_m_s2;

@@ -89,6 +89,7 @@ fn estimate(scene: &Scene, arcs: Vec<ArcEstimate>, events_s: &[f64]) -> Estimate
         gravity_m_s2: scene.gravity_m_s2,
         arcs,
         held: Vec::new(),
+        grips: Vec::new(),
         trees: Vec::new(),
         events: events_s.iter().enumerate().map(event).collect(),
         duration: DurationEstimate {

@@ -67,6 +67,7 @@ fn estimate() -> Estimate {
             certainty: None,
         }],
         held: Vec::new(),
+        grips: Vec::new(),
         trees: Vec::new(),
         events: Vec::new(),
         duration: DurationEstimate {

@@ -57,7 +57,7 @@ fn sustained(text: &Text) -> Result<Sustained, Fault> {
         None => fault(
             text.span(),
             format!(
-                "motion is {:?}, expected \"slide\", \"roll\" or \"rest\"",
+                "motion is {:?}, expected \"slide\", \"roll\", \"rest\" or \"held\"",
                 text.get_ref()
             ),
         ),
@@ -176,8 +176,10 @@ pub(super) fn check_begin(
         let is_before = other.link == phase.link && other.events[1] == event;
         (is_before && on_other.surface == on.surface).then_some(on_other)
     });
+    let mechanism = scene.mechanism_of(phase.link);
     match (&scene.events[event].kind, before) {
         (EventKind::Start, _) => Ok(()),
+        (EventKind::Change(_), None) if scene.hand_beside(mechanism, event, false) => Ok(()),
         (EventKind::Change(_), Some(before)) if before.sustained <= on.sustained => Ok(()),
         (EventKind::Change(_), Some(before)) => fault(
             raw.from.span(),

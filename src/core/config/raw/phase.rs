@@ -1,11 +1,11 @@
-//! What stays on a surface.
+//! What stays on a surface, or is in a hand.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::value::{Number, Text};
 
-/// A body stays on a surface from one event to another: it slides, rolls or rests; or it is held still (docs/phases.md).
+/// A body stays on a surface from one event to another: it slides, rolls or rests; or it is held (docs/phases.md).
 ///
 /// ```toml
 /// [[event]]
@@ -46,11 +46,11 @@ use super::value::{Number, Text};
 pub(in crate::config) struct RawPhase {
     /// Its name.
     pub(in crate::config) name: Text,
-    /// "slide", "roll" or "rest".
+    /// "slide", "roll" or "rest"; "held": it goes where its tracker saw it, in a hand.
     pub(in crate::config) motion: Text,
     /// The body.
     pub(in crate::config) body: Text,
-    /// What it stays on: a plane, a board or a face. Default: it is held still where it is, with motion = "rest".
+    /// What it stays on: a plane, a board or a face. Default: it is held still where it is, with motion = "rest", or moved, with "held".
     pub(in crate::config) surface: Option<Text>,
     /// The face on which it lies. Default: a ball has none.
     pub(in crate::config) feature: Option<Text>,

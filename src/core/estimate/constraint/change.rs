@@ -1,9 +1,12 @@
-//! An event at which a motion on a support ends or begins without an impact: the body goes on from the state in
+//! An event at which a motion on a support or in a hand ends or begins without an impact: the body goes on from the state in
 //! which it arrives, and where friction ends the slip, that is zero:
 //!
 //! ```text
 //! q⁺ ⊟ q⁻ = 0,   ρ⁻ = 0
 //! ```
+//!
+//! The state of what is in a hand is an unknown of its own ([`held`](crate::estimate::terms::held)). Where a hand takes a body, or
+//! puts it down, place and orientation go on alone.
 //!
 //! Where a pivot catches it, place and orientation go on, and by the impulse of the pivot alone, of which there is no
 //! moment about it, the velocities are (`r`, `J` and what else there is: `physics/flow/supported/pivoting.rs`)
@@ -19,7 +22,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::kind::{At, Constraint, Filled};
 use super::rows::STATE;
 use crate::estimate::problem::influence::Influence;
-use crate::estimate::problem::{ArcChange, Problem, unit};
+use crate::estimate::problem::{ArcChange, Moving, Problem, unit};
 use crate::estimate::reach::arrival::{ByStates, GeneralArrival};
 use crate::estimate::unknowns::layout::Layout;
 use crate::math::so3;
@@ -42,9 +45,12 @@ impl Constraint for ArcChange {
     fn patterns(&self, _: &Problem, layout: &Layout) -> [BlockPattern; 2] {
         let acting = self.acting.iter();
         let acting = acting.map(|acting| layout.parameters[acting.parameter]);
-        let columns = layout.state(self.sides.before);
-        let columns = columns.chain(layout.events[self.event]);
-        let columns = columns.chain(layout.state(self.sides.after)).chain(acting);
+        let [before, after] = self.sides.map(|side| match side {
+            Moving::Arc(arc) => layout.state(arc),
+            Moving::Hand(held) => layout.held[held]..layout.held[held] + STATE,
+        });
+        let columns = before.chain(layout.events[self.event]);
+        let columns = columns.chain(after).chain(acting);
         let mut pattern = BlockPattern::default();
         pattern.push(self.rows(), columns.collect::<Vec<_>>());
         [pattern, BlockPattern::default()]
@@ -62,8 +68,11 @@ impl Constraint for ArcChange {
     }
 
     fn gap(&self, _: &Problem, [block, _]: [&Block; 2]) -> Gap {
-        let of = |part: usize| block.largest(part..part + 3) * UNITS[part / 3];
-        let slip_m_s = block.largest(STATE..self.rows()) * unit::VELOCITY_M_S;
+        let of = |part: usize| match part < self.kept() {
+            true => block.largest(part..part + 3) * UNITS[part / 3],
+            false => 0.0,
+        };
+        let slip_m_s = block.largest(self.kept()..self.rows()) * unit::VELOCITY_M_S;
         Gap {
             position_m: of(part::POSITION),
             orientation_rad: of(part::ORIENTATION),
@@ -82,8 +91,16 @@ impl Constraint for ArcChange {
 }
 
 impl ArcChange {
+    /// Number of rows of what goes on.
+    fn kept(&self) -> usize {
+        match self.keeps_velocities {
+            true => STATE,
+            false => part::VELOCITY,
+        }
+    }
+
     fn rows(&self) -> usize {
-        STATE + usize::from(self.slip_ends)
+        self.kept() + usize::from(self.slip_ends)
     }
 
     /// `None` where no body has such moments.
@@ -91,9 +108,13 @@ impl ArcChange {
         let (pattern, block) = rows;
         let (problem, parameters) = (at.problem, &at.point.parameters);
         let time_s = at.point.event_times_s[self.event];
-        let reach =
-            |arc: usize| GeneralArrival::new(problem, at.point, arc, at.epochs_s[arc], time_s);
-        let (before, after) = (reach(self.sides.before)?, reach(self.sides.after)?);
+        let reach = |side: Moving| match side {
+            Moving::Arc(arc) => {
+                GeneralArrival::new(problem, at.point, arc, at.epochs_s[arc], time_s)
+            }
+            Moving::Hand(held) => Some(GeneralArrival::given(&at.point.held[held])),
+        };
+        let (before, after) = (reach(self.sides[0])?, reach(self.sides[1])?);
         let mut gap = after.end.state.minus(&before.end.state);
         let turn: Vector3<f64> = gap.fixed_rows::<3>(part::ORIENTATION).into();
         let right = so3::right_jacobian_inverse(&turn);
@@ -120,9 +141,14 @@ impl ArcChange {
         push(&mut columns, by_after * after.by_state());
         columns.extend(self.acting.iter().map(|acting| {
             let value = parameters[acting.parameter];
-            by_before * before.by_acting(acting, value) + by_after * after.by_acting(acting, value)
+            let sides = [(&before, by_before), (&after, by_after)].into_iter();
+            let arcs = sides
+                .zip(self.sides)
+                .filter(|(_, side)| matches!(side, Moving::Arc(_)));
+            arcs.map(|((arrival, by), _)| by * arrival.by_acting(acting, value))
+                .sum::<StateTangent>()
         }));
-        for row in 0..STATE {
+        for row in 0..self.kept() {
             let unit = UNITS[row / 3];
             block.values[row] = gap[row] / unit;
             let to = block.derivatives_mut(pattern, row);
@@ -131,7 +157,7 @@ impl ArcChange {
             }
         }
         if let Some(slip) = before.carried().filter(|_| self.slip_ends) {
-            block.values[STATE] = slip.slip_m_s / unit::VELOCITY_M_S;
+            block.values[self.kept()] = slip.slip_m_s / unit::VELOCITY_M_S;
             let by_state = slip.slip_by_state.iter().copied();
             let by_time = is_free.then_some(slip.slip_rate_m_s2);
             let by_acting = self.acting.iter().map(|acting| match acting.influence {
@@ -140,7 +166,7 @@ impl ArcChange {
                 _ => 0.0,
             });
             let all = by_state.chain(by_time).chain([0.0; STATE]).chain(by_acting);
-            let to = block.derivatives_mut(pattern, STATE);
+            let to = block.derivatives_mut(pattern, self.kept());
             for (entry, by) in to.iter_mut().zip(all) {
                 *entry = by / unit::VELOCITY_M_S;
             }

@@ -121,7 +121,7 @@ pub(in crate::estimate) fn event_moment(
 
 /// The duration of the motion.
 pub(in crate::estimate) struct Duration {
-    /// From the beginning of its first flight to the end of its last \[s\].
+    /// From the beginning of its first flight, or of what a hand does, to the end of its last \[s\].
     pub(in crate::estimate) duration_s: f64,
     /// The duration as a linear combination of unknowns.
     pub(in crate::estimate) moment: Moment,
@@ -153,6 +153,8 @@ pub(in crate::estimate) fn duration(context: &SolveContext, point: &Point) -> Du
         let end = end.unwrap_or_else(|| start.clone());
         (start, end)
     });
+    let grips = problem.grips.iter();
+    let ends = ends.chain(grips.map(|[from, until]| (at_event(*from), at_event(*until))));
     let (starts, ends): (Vec<_>, Vec<_>) = ends.unzip();
     let (start_s, from) = starts
         .into_iter()

@@ -5,9 +5,10 @@ use typed_index_collections::TiSlice;
 use crate::estimate::problem::{HeldState, Problem};
 use crate::estimate::unknowns::point::Point;
 use crate::math::Pose;
-use crate::motion::held::{HeldEstimate, Knot, Mounted, Passed};
+use crate::motion::held::{Curve, GripEstimate, HeldEstimate, Knot, Mounted, Passed};
 use crate::motion::{
-    HeldMotion, SampleTime, Scene, Sketch, TimeMap, Timing, TrackIndex, TrackSketch,
+    EventEstimate, HeldMotion, Sample, SampleTime, Scene, Sketch, TimeMap, Timing, TrackIndex,
+    TrackSketch,
 };
 use crate::physics::State;
 
@@ -71,7 +72,7 @@ pub(in crate::estimate) fn estimates(
         let Some(motion) = &of.held else { continue };
         let link = scene.tracks[track].link;
         let at_hits = problem.held.iter().zip(&point.held);
-        let hits = at_hits.filter(|(held, _)| held.track == track);
+        let hits = at_hits.filter(|(held, _)| held.track == track && held.link == link);
         let hits: Vec<(&HeldState, &State)> = hits.collect();
         let Some(pace) = pace(
             scene,
@@ -86,23 +87,98 @@ pub(in crate::estimate) fn estimates(
             Some((held, _)) => held.mount_at(&point.parameters),
             None => scene.tracks[track].link_from_tracker,
         };
-        let (knots, times) = in_time(track, of, motion, &mount, &pace);
-        let passed = hits.iter().map(|(held, state)| Passed {
-            event: held.event,
-            time_s: point.event_times_s[held.event],
-            state: **state,
-            fading_s: fading_s(motion, held.event) / pace.at(sketch.marks_s[held.event]).1,
-            off: [0.0; 2],
-        });
-        estimates.push(HeldEstimate::new(link, knots, passed.collect(), times));
+        let (knots, times) = in_time(track, &of.samples, motion, &mount, &pace);
+        let passed = passed(sketch, motion, &hits, point, &pace);
+        estimates.push(HeldEstimate::new(link, knots, passed, times));
     }
     estimates
+}
+
+/// The states of a held body at its events.
+fn passed(
+    sketch: &Sketch,
+    motion: &HeldMotion,
+    hits: &[(&HeldState, &State)],
+    point: &Point,
+    pace: &Pace,
+) -> Vec<Passed> {
+    let passed = hits.iter().map(|(held, state)| Passed {
+        event: held.event,
+        time_s: point.event_times_s[held.event],
+        state: **state,
+        fading_s: fading_s(motion, held.event) / pace.at(sketch.marks_s[held.event]).1,
+        off: [0.0; 2],
+    });
+    passed.collect()
+}
+
+/// The motions of what is in a hand for a while, between the estimated `events`; `flown` are the physical times of the samples
+/// of flights.
+pub(in crate::estimate) fn grips(
+    scene: &Scene,
+    sketch: &Sketch,
+    problem: &Problem,
+    point: &Point,
+    events: &[EventEstimate],
+    flown: &[SampleTime],
+) -> Vec<GripEstimate> {
+    let phases = scene.phases.iter().enumerate();
+    let gripped = phases.filter_map(|(index, phase)| {
+        let hand = phase.in_hand()?;
+        let motion = sketch.grip(index)?;
+        let at_ends = problem.held.iter().zip(&point.held);
+        let hits = at_ends
+            .filter(|(held, _)| held.link == phase.link && phase.events.contains(&held.event));
+        let hits: Vec<(&HeldState, &State)> = hits.collect();
+        let first = hits.first().map(|(held, _)| *held);
+        let pace = pace(scene, sketch, first, point, flown)?;
+        let mount = first.map_or(hand.link_from_tracker, |held| {
+            held.mount_at(&point.parameters)
+        });
+        let is_own = scene.tracks[hand.track].link == phase.link;
+        let [from_s, until_s] = phase.events.map(|event| sketch.marks_s[event]);
+        // Those of a hand are told with it.
+        let is_its = |of: &&Sample| is_own && of.acted_s >= from_s && of.acted_s <= until_s;
+        let samples = sketch.tracks[hand.track].samples.iter();
+        let samples: Vec<Sample> = samples.filter(is_its).cloned().collect();
+        let (knots, times) = in_time(hand.track, &samples, motion, &mount, &pace);
+        let span_s = phase.events.map(|event| events[event].time_s);
+        let passed = passed(sketch, motion, &hits, point, &pace);
+        Some(GripEstimate {
+            phase: index,
+            span_s,
+            motion: HeldEstimate::new(phase.link, over(knots, span_s), passed, times),
+        })
+    });
+    let mut grips: Vec<GripEstimate> = gripped.collect();
+    grips.sort_by(|a, b| {
+        let order = a.motion.link.cmp(&b.motion.link);
+        order.then(a.span_s[0].total_cmp(&b.span_s[0]))
+    });
+    grips
+}
+
+/// Knots that reach as far as a span, by the motion at their ends.
+pub(in crate::estimate) fn over(mut knots: Vec<Knot>, span_s: [f64; 2]) -> Vec<Knot> {
+    let curve = Curve::new(knots.clone());
+    let [first_s, last_s] = [0, knots.len() - 1].map(|at| knots[at].time_s);
+    let at = |time_s: f64| Knot {
+        time_s,
+        driven: curve.at(time_s),
+    };
+    if span_s[0] < first_s {
+        knots.insert(0, at(span_s[0]));
+    }
+    if span_s[1] > last_s {
+        knots.push(at(span_s[1]));
+    }
+    knots
 }
 
 /// The smoothed motion of a body whose tracker is mounted so, and its samples, in physical time.
 pub(in crate::estimate) fn in_time(
     track: TrackIndex,
-    of: &TrackSketch,
+    samples: &[Sample],
     motion: &HeldMotion,
     mount: &Pose,
     pace: &Pace,
@@ -114,7 +190,7 @@ pub(in crate::estimate) fn in_time(
             driven: Mounted::new(&knot.driven, mount).driven.at_rate(rate),
         }
     });
-    let times = of.samples.iter().map(|sample| SampleTime {
+    let times = samples.iter().map(|sample| SampleTime {
         track,
         stamp: sample.stamp,
         time_s: pace.at(sample.acted_s).0,

@@ -1,30 +1,47 @@
 //! What phases add to the problem: changes between them, and what holds where one begins with the performance.
 
-use super::{friction, gravity};
+use super::gravity;
 use crate::estimate::problem::influence::Acting;
-use crate::estimate::problem::{Arc, ArcChange, ArcPair, ArcSupport, SupportPlace};
-use crate::motion::{EventKind, Scene, SupportedBy};
+use crate::estimate::problem::{Arc, ArcChange, ArcSupport, Moving, SupportPlace};
+use crate::motion::{EventKind, Scene, Sketch, SupportedBy};
 use crate::physics::contact::Feature;
 use crate::physics::support::Caught;
 use crate::physics::{Body, Support, Sustained};
 
-/// The changes of phases. `arcs` have the parameters of their friction.
+/// The changes of phases. `arcs` have the parameters of their friction, `hold` adds what is in a hand at an event.
 pub(super) fn changes(
     scene: &Scene,
     arcs: &[Arc],
     gravity_parameters: &[Option<usize>; 3],
+    mut hold: impl FnMut(usize, usize) -> Option<usize>,
 ) -> Vec<ArcChange> {
     let events = scene.events.iter().enumerate();
     let changes = events.filter_map(|(event, of)| Some((event, of.kind.change()?)));
     let changes = changes.filter_map(|(event, link)| {
         let mechanism = scene.mechanism_of(link);
-        let arc_with = |is: &dyn Fn(&Arc) -> bool| {
+        let mut side = |is_after: bool| {
+            let phase = scene.phases.iter().position(|phase| {
+                let at = phase.events[usize::from(!is_after)];
+                phase.link == link && at == event && phase.in_hand().is_some()
+            });
+            if let Some(phase) = phase {
+                return hold(phase, event).map(Moving::Hand);
+            }
             let mut own = arcs.iter();
-            own.position(|arc| arc.mechanism == mechanism && is(arc))
+            let is_beside = |arc: &Arc| match is_after {
+                true => arc.start == Some(event),
+                false => arc.end == Some(event),
+            };
+            let arc = own.position(|arc| arc.mechanism == mechanism && is_beside(arc));
+            arc.map(Moving::Arc)
         };
-        let before = arc_with(&|arc| arc.end == Some(event))?;
-        let after = arc_with(&|arc| arc.start == Some(event))?;
-        let sustained = |arc: usize| match arcs[arc].body.support()? {
+        let sides = [side(false)?, side(true)?];
+        let arc = |side: Moving| match side {
+            Moving::Arc(arc) => Some(arc),
+            Moving::Hand(_) => None,
+        };
+        let [before, after] = sides.map(arc);
+        let sustained = |arc: Option<usize>| match arcs[arc?].body.support()? {
             Support::Plane(plane) => Some(plane.sustained),
             Support::Pivot(_) => None,
         };
@@ -33,22 +50,25 @@ pub(super) fn changes(
             (Some(Sustained::Roll), Some(after)) => after == Sustained::Rest,
             _ => false,
         };
-        let mut parameters: Vec<usize> = [before, after]
-            .into_iter()
-            .filter_map(|arc| arcs[arc].friction_parameter)
-            .collect();
-        parameters.dedup();
-        let frictions = parameters.into_iter().map(friction);
-        let acting: Vec<Acting> = frictions.chain(gravity(gravity_parameters)).collect();
+        // A hand ends velocities where it puts something down, or takes what moves; what lay begins to move so slowly that they
+        // tell no more than places when.
+        let is_stopped = match (before, after) {
+            (None, _) => sustained(after) == Some(Sustained::Rest),
+            (_, None) => true,
+            _ => false,
+        };
+        let own = [before, after].into_iter().flatten();
+        let own = own.flat_map(|arc| arcs[arc].acting.iter().copied());
+        let own = own.filter(|acting| acting.influence.is_of_motion());
+        let mut acting: Vec<Acting> = own.chain(gravity(gravity_parameters)).collect();
+        acting.sort_by_key(|acting| acting.parameter);
+        acting.dedup_by_key(|acting| acting.parameter);
         Some(ArcChange {
             event,
-            sides: ArcPair {
-                mechanism,
-                before,
-                after,
-            },
+            sides,
+            keeps_velocities: !is_stopped,
             slip_ends,
-            caught: caught(&arcs[after].body),
+            caught: after.and_then(|after| caught(&arcs[after].body)),
             acting,
         })
     });
@@ -63,37 +83,38 @@ fn caught(body: &Body) -> Option<Caught> {
     }
 }
 
+/// The ends of what a hand does.
+pub(super) fn grips(scene: &Scene, sketch: &Sketch) -> Vec<[usize; 2]> {
+    let phases = scene.phases.iter().enumerate();
+    let gripped = phases.filter(|(index, _)| sketch.grip(*index).is_some());
+    gripped.map(|(_, phase)| phase.events).collect()
+}
+
 /// What holds on arcs that begin on a support with the performance, or at a pivot.
 pub(super) fn supports(scene: &Scene, arcs: &[Arc]) -> Vec<ArcSupport> {
     let begun = arcs.iter().enumerate().filter_map(|(index, arc)| {
         let phase = scene.phase_between(arc.mechanism, [arc.start, arc.end])?;
         let from = phase.events[0];
         let is_start = scene.events[from].kind == EventKind::Start;
-        let begins = arc.start == Some(from) && (is_start || phase.on_surface().is_none());
-        begins.then_some((index, phase, !is_start))
+        // What is put down is there at once, as at a start.
+        let is_put = scene.hand_beside(arc.mechanism, from, false);
+        let is_told = is_start || is_put || phase.on_surface().is_none();
+        let begins = arc.start == Some(from) && is_told;
+        begins.then_some((index, phase, !is_start && !is_put))
     });
-    let supports = begun.map(|(arc, phase, is_caught)| {
-        let on = match &phase.by {
-            SupportedBy::Surface(on) => on,
-            SupportedBy::Pivot(at) => {
-                return ArcSupport {
-                    arc,
-                    is_caught,
-                    at: SupportPlace::Pivot {
-                        place_m: at.place_m,
-                        axis: at.axis,
-                    },
-                };
-            }
+    let supports = begun.filter_map(|(arc, phase, is_caught)| {
+        let at = match &phase.by {
+            SupportedBy::Surface(on) => match scene.surfaces[on.surface].geometry {
+                Feature::Face { point_m, .. } => SupportPlace::Plane { point_m },
+                _ => panic!("a phase on a plane"),
+            },
+            SupportedBy::Pivot(at) => SupportPlace::Pivot {
+                place_m: at.place_m,
+                axis: at.axis,
+            },
+            SupportedBy::Hand(_) => return None,
         };
-        let Feature::Face { point_m, .. } = scene.surfaces[on.surface].geometry else {
-            panic!("a phase on a plane");
-        };
-        ArcSupport {
-            arc,
-            is_caught,
-            at: SupportPlace::Plane { point_m },
-        }
+        Some(ArcSupport { arc, is_caught, at })
     });
     supports.collect()
 }

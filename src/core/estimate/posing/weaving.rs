@@ -146,6 +146,8 @@ impl Problem {
         for held in &mut problem.held {
             held.root /= held.motion.counted.sqrt();
             held.motion.counted = 1.0;
+            let units = [self.position_unit_m, self.orientation_unit_rad];
+            held.stray(&weave.errors.processes, units);
         }
         Self {
             weave: Some(weave),

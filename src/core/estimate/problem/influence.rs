@@ -40,6 +40,20 @@ pub enum Influence {
     SurfaceTilt(usize),
 }
 
+impl Influence {
+    /// Whether it changes how a body moves between events.
+    pub fn is_of_motion(self) -> bool {
+        matches!(
+            self,
+            Influence::Pull(_)
+                | Influence::LinearDrag
+                | Influence::QuadraticDrag
+                | Influence::Moment(_)
+                | Influence::SupportFriction
+        )
+    }
+}
+
 /// What a parameter belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Owner {

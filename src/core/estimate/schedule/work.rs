@@ -13,22 +13,29 @@ const CURVED_SAMPLE: usize = 5;
 /// second derivatives, and with those, which are differences, of each distance that is kept as of all else.
 const TURN: f64 = 20.0;
 const CURVED_TURN: f64 = 500.0;
+/// How many looks a second is worth of what drag slows down or something supports: it is followed in steps.
+const STEPPED_PER_S: f64 = 300.0;
 
 impl SolveContext<'_> {
     /// Looks of an iteration at a point. With second derivatives a quadratic programme is solved, whose work is told by how
     /// many entries its matrix has: about a microsecond each.
     pub(super) fn looks(&self, point: &Point) -> IterationWork {
         let problem = self.problem;
+        let time_s = |event: Option<usize>| Some(point.event_times_s[event?]);
         let flights = problem.arcs.iter().zip(&point.arcs).enumerate();
-        let stepped =
-            flights.filter(|(index, _)| problem.body_of(*index).symmetry() == Symmetry::Asymmetric);
-        let turns_rad = stepped.map(|(_, (arc, state))| {
-            let time_s = |event: Option<usize>| Some(point.event_times_s[event?]);
+        let (mut turns_rad, mut stepped_s) = (0.0, 0.0);
+        for (index, (arc, state)) in flights {
             let ends_s = time_s(arc.end).zip(time_s(arc.start));
             let lasts_s = ends_s.map_or(0.0, |(end_s, start_s)| end_s - start_s);
-            state.angular_velocity_rad_s.norm() * lasts_s
-        });
-        let (samples, turns_rad) = (problem.sample_count(), turns_rad.sum::<f64>());
+            let body = problem.body_of(index);
+            if body.symmetry() == Symmetry::Asymmetric {
+                turns_rad += state.angular_velocity_rad_s.norm() * lasts_s;
+            }
+            if !body.is_ballistic() {
+                stepped_s += lasts_s.max(0.0);
+            }
+        }
+        let samples = problem.sample_count() + (STEPPED_PER_S * stepped_s) as usize;
         let distances = 1 + problem.clearances.len();
         IterationWork {
             plain: samples + (TURN * turns_rad) as usize,

@@ -6,6 +6,7 @@ use nalgebra::DVector;
 
 use crate::estimate::covariance::timing;
 use crate::estimate::covariance::{Covariance, Moment};
+use crate::estimate::problem::Moving;
 use crate::estimate::problem::influence::Influence;
 use crate::estimate::schedule::recipe::Solution;
 use crate::estimate::terms::context::SolveContext;
@@ -52,6 +53,7 @@ pub fn fill(
         if event.is_fixed {
             continue;
         }
+        let sd_s = sd_s.filter(|_| shows_hand(context, &solution.point, event.event));
         event.sd_s = covering(sd_s, moment, event.at_bound);
         if !moment.is_empty() && sd_s.is_none() {
             undetermined_times.push(Undetermined::EventTime(event.event));
@@ -79,6 +81,19 @@ pub fn fill(
     if !estimate.duration.is_determined() {
         estimate.undetermined.push(Undetermined::Duration);
     }
+}
+
+/// Whether the body's own tracker shows that a hand lets go of it at an event; where it is no such event, that does not count.
+fn shows_hand(context: &SolveContext, point: &Point, event: usize) -> bool {
+    let problem = context.problem;
+    let mut changes = problem.changes.iter().filter(|of| of.event == event);
+    changes.all(|of| match of.sides {
+        [Moving::Hand(held), Moving::Arc(arc)] if of.keeps_velocities => {
+            let held = &problem.held[held];
+            held.strays_from.is_none() || held.shows_hand(problem, point, arc)
+        }
+        _ => true,
+    })
 }
 
 /// Tells how certain the flights of a motion are.

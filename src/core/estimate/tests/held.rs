@@ -4,7 +4,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::*;
 use crate::motion::held::{Curve, Driven, Knot, Meeting, StateCovariance};
-use crate::motion::{Held, HeldMotion};
+use crate::motion::{Grip, Held, HeldMotion, InHand, SupportPhase, SupportedBy};
 use crate::physics::state::StateTangent;
 
 /// The board of [`meeting`](super::meeting), held.
@@ -84,6 +84,7 @@ pub(super) fn track(pace: f64) -> TrackSketch {
         event: 0,
         acted_s: 0.22 * pace,
         covariance: root * root.transpose(),
+        acceleration_sds: [1.0, 1.0],
     };
     TrackSketch {
         held: Some(HeldMotion {
@@ -119,4 +120,62 @@ fn a_board_that_is_held_is_not_deflected() {
     assert_eq!(layout.size(), 24 + 12 + 2 + scene.parameters.len());
     let state = problem.held[0].expected(&problem, &point);
     assert_eq!(state, point.held[0]);
+}
+
+const TEMPO: Timing = Timing::Unknown {
+    tempo_sd_per_sqrt_s: 0.5,
+};
+
+/// A hand takes the rod at the bounce; what it lets go is the same the other way round.
+#[test]
+fn the_rows_and_the_gradient_where_a_hand_takes_a_body_are_exact() {
+    for timing in [Timing::Known, TEMPO] {
+        let mut scene = modelled_rod(timing);
+        let link = LinkIndex(0);
+        scene.events[0].kind = EventKind::Change(link);
+        scene
+            .parameters
+            .retain(|free| free.quantity.event().is_none());
+        scene.cones.clear();
+        scene.phases.push(SupportPhase {
+            name: "taken".into(),
+            link,
+            by: SupportedBy::Hand(InHand {
+                track: TrackIndex(0),
+                link_from_tracker: scene.tracks[TrackIndex(0)].link_from_tracker,
+            }),
+            events: [0, 1],
+        });
+        let (mut sketch, segments, guess) = sketch(&scene, 0.01);
+        let motion = track(1.0).held.expect("a motion");
+        sketch.tracks[TrackIndex(0)].grips = vec![Grip { phase: 0, motion }];
+        let mut problem = Problem::new(&scene, &sketch, &segments);
+        assert_eq!((problem.held.len(), problem.changes.len()), (1, 1));
+        let mut point = Point::new(&problem, &guess);
+        point.held[0] = moved_off(&point.held[0], 0.7);
+        for keeps_velocities in [false, true] {
+            problem.changes[0].keeps_velocities = keeps_velocities;
+            problem.changes[0].sides.reverse();
+            let layout = Layout::new(&problem);
+            let context = SolveContext::new(&problem, &layout, recipe::epochs_s(&guess), &point);
+            let lengths = lengths(&layout);
+            assert_exact_rows(&context, &Guidance::none(), &point, &lengths);
+            let size = layout.size();
+            let system = moved(
+                &context,
+                &Guidance::none(),
+                &point,
+                &lengths,
+                &vec![0.0; size],
+            );
+            let numeric = differentiate::jacobian(1, size, |d| {
+                vec![moved(&context, &Guidance::none(), &point, &lengths, d).cost]
+            });
+            for at in 0..size {
+                let expected = system.gradient[at] * lengths[at];
+                let off = (numeric[0][at] - expected).abs();
+                assert!(off < 1e-7 * (1.0 + expected.abs()), "{at}: {off}");
+            }
+        }
+    }
 }

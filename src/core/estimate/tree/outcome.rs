@@ -152,6 +152,7 @@ pub fn estimate(
         gravity_m_s2: told.gravity_m_s2,
         arcs: motions.arcs,
         held: problem.hands.clone(),
+        grips: Vec::new(),
         events,
         duration,
         parameters,

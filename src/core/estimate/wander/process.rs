@@ -73,6 +73,16 @@ impl Process {
         self.noise_sd <= LEAST_NOISE * (1.0 + 1e-9)
     }
 
+    /// Variance of what strays.
+    pub fn stray_variance(&self) -> f64 {
+        self.smooth_sd.powi(2) + self.rough_sd.powi(2)
+    }
+
+    /// Variance of the rate of its smooth part [1/s²].
+    pub fn stray_rate_variance(&self) -> f64 {
+        3.0 * (self.smooth_sd / self.smooth_s).powi(2)
+    }
+
     /// The same with all sizes so many times as great.
     pub fn times(&self, factor: f64) -> Self {
         Self {

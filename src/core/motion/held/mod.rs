@@ -13,6 +13,7 @@
 
 pub mod curve;
 pub mod estimate;
+pub mod grip;
 pub mod jets;
 pub mod knot;
 pub mod mounted;
@@ -20,6 +21,7 @@ pub mod tracked;
 
 pub use curve::Curve;
 pub use estimate::{HeldEstimate, Passed};
+pub use grip::GripEstimate;
 pub use knot::{Driven, Knot, StateCovariance};
 pub use mounted::Mounted;
 pub use tracked::{HeldMotion, Meeting};

@@ -12,6 +12,9 @@ pub struct Meeting {
     pub acted_s: f64,
     /// Covariance of the tracker's state; velocities are per second of acted time.
     pub covariance: StateCovariance,
+    /// Standard deviations per axis of the tracker's acceleration and angular acceleration, per second of acted time squared
+    /// [m/s², rad/s²].
+    pub acceleration_sds: [f64; 2],
 }
 
 /// The smoothed motion of the tracker on a held body.

@@ -43,7 +43,7 @@ pub use group::Group;
 pub use joint::{Joint, JointEnd, JointTree};
 pub use link::{Feature, FreeBody, Held, Link, Mechanism, Sees, Track};
 pub use parameter::{Cone, FreeParameter};
-pub use phase::{AtPivot, OnSurface, SupportPhase, SupportedBy};
+pub use phase::{AtPivot, InHand, OnSurface, SupportPhase, SupportedBy};
 pub use quantity::Quantity;
 pub use rest::RestGoal;
 pub use tree_touch::TreeTouch;

@@ -2,7 +2,8 @@
 
 use nalgebra::Vector3;
 
-use crate::motion::index::{ContactLawIndex, LinkIndex};
+use crate::math::Pose;
+use crate::motion::index::{ContactLawIndex, LinkIndex, TrackIndex};
 use crate::physics::Sustained;
 use crate::physics::support::Pivot;
 
@@ -26,6 +27,17 @@ pub enum SupportedBy {
     Surface(OnSurface),
     /// A place of the world that a point of it does not leave.
     Pivot(AtPivot),
+    /// A hand: it goes where that was tracked.
+    Hand(InHand),
+}
+
+/// How a body is tracked in a hand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InHand {
+    /// What sees it, or the hand.
+    pub track: TrackIndex,
+    /// How that tracker is mounted on the body, or on the hand that holds it.
+    pub link_from_tracker: Pose,
 }
 
 /// How a body stays on a surface.
@@ -53,11 +65,19 @@ pub struct AtPivot {
 }
 
 impl SupportPhase {
-    /// How it stays on a surface; `None` at a pivot.
+    /// How it stays on a surface, if it does.
     pub fn on_surface(&self) -> Option<&OnSurface> {
         match &self.by {
             SupportedBy::Surface(on) => Some(on),
-            SupportedBy::Pivot(_) => None,
+            SupportedBy::Pivot(_) | SupportedBy::Hand(_) => None,
+        }
+    }
+
+    /// How it is tracked in a hand, if it is in one.
+    pub fn in_hand(&self) -> Option<&InHand> {
+        match &self.by {
+            SupportedBy::Hand(hand) => Some(hand),
+            SupportedBy::Surface(_) | SupportedBy::Pivot(_) => None,
         }
     }
 
@@ -76,6 +96,7 @@ impl SupportPhase {
                 Sustained::Rest => "rests",
             },
             SupportedBy::Pivot(_) => "is tied to the world",
+            SupportedBy::Hand(_) => "is in the hand",
         }
     }
 }

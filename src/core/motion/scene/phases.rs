@@ -49,14 +49,27 @@ impl Scene {
         })
     }
 
-    /// What supports the body in a phase.
+    /// Whether a mechanism is in a hand between two of its events that follow each other: it does not move by itself there.
+    pub fn is_in_hand(&self, mechanism: MechanismIndex, ends: [Option<usize>; 2]) -> bool {
+        let phase = self.phase_between(mechanism, ends);
+        phase.is_some_and(|phase| phase.in_hand().is_some())
+    }
+
+    /// Whether a hand lets go of a mechanism at an event, or takes it.
+    pub fn hand_beside(&self, mechanism: MechanismIndex, event: usize, is_after: bool) -> bool {
+        let phase = self.phase_beside(mechanism, event, is_after);
+        phase.is_some_and(|phase| phase.in_hand().is_some())
+    }
+
+    /// What supports the body in a phase; `None` in a hand.
     ///
     /// # Panics
     /// Of a surface that is no plane: `config` refuses it.
-    pub fn support(&self, phase: &SupportPhase) -> Support {
+    pub fn support(&self, phase: &SupportPhase) -> Option<Support> {
         let on = match &phase.by {
             SupportedBy::Surface(on) => on,
-            SupportedBy::Pivot(at) => return Support::Pivot(at.pivot),
+            SupportedBy::Pivot(at) => return Some(Support::Pivot(at.pivot)),
+            SupportedBy::Hand(_) => return None,
         };
         let Feature::Face { normal, .. } = self.surfaces[on.surface].geometry else {
             panic!("a phase on a plane");
@@ -75,12 +88,16 @@ impl Scene {
                 OnPlane::Ball { radius_m }
             }
         };
-        Support::Plane(PlaneSupport {
+        Some(Support::Plane(PlaneSupport {
             normal,
             sustained: on.sustained,
-            friction: self.contact_laws[on.law].friction,
+            // What rests needs no law.
+            friction: self
+                .contact_laws
+                .get(on.law)
+                .map_or(0.0, |law| law.friction),
             touching,
-        })
+        }))
     }
 
     /// The phase in which a body is tied to the world, or held still, up to an event at least: nothing of what follows there
@@ -97,6 +114,6 @@ impl Scene {
     pub fn body_between(&self, mechanism: MechanismIndex, ends: [Option<usize>; 2]) -> Body {
         let phase = self.phase_between(mechanism, ends);
         self.body_of(mechanism)
-            .with_support(phase.map(|phase| self.support(phase)))
+            .with_support(phase.and_then(|phase| self.support(phase)))
     }
 }

@@ -2,6 +2,7 @@
 
 use super::joint::{Joint, JointTree};
 use super::link::Mechanism;
+use super::phase::InHand;
 use super::whole::Scene;
 use crate::motion::estimate::Estimate;
 use crate::motion::held::HeldEstimate;
@@ -26,13 +27,20 @@ impl Scene {
         tree.joints.iter().find(|joint| joint.child == child)
     }
 
-    /// Whether a joint ties one link to the other.
+    /// Whether a joint ties one link to the other, or a held one grips the other for a while.
     pub fn are_joined(&self, one: LinkIndex, other: LinkIndex) -> bool {
+        let grips = |hand: LinkIndex, body: LinkIndex| {
+            let mut phases = self.phases.iter().filter(|phase| phase.link == body);
+            phases.any(|phase| {
+                let hand_of = |of: &InHand| self.tracks[of.track].link;
+                phase.in_hand().map(hand_of) == Some(hand)
+            })
+        };
         let hangs = |child: LinkIndex, parent: LinkIndex| {
             let joint = self.joint_of(child);
             joint.is_some_and(|joint| joint.parent == Some(parent))
         };
-        hangs(one, other) || hangs(other, one)
+        hangs(one, other) || hangs(other, one) || grips(one, other) || grips(other, one)
     }
 
     /// The held body from which a tree hangs, if it does.

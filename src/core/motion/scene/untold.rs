@@ -192,11 +192,14 @@ impl Scene {
     fn is_in_phase(&self, quantity: Quantity) -> bool {
         let mut phases = self.phases.iter();
         match quantity {
+            // Nothing of a body counts while a hand moves it, but where its centre of mass is.
             Quantity::LinearDrag { link }
             | Quantity::QuadraticDrag { link }
             | Quantity::Mass { link }
-            | Quantity::Moment { link, .. }
-            | Quantity::Centre { link, .. } => phases.any(|phase| phase.link == link),
+            | Quantity::Moment { link, .. } => {
+                phases.any(|phase| phase.link == link && phase.in_hand().is_none())
+            }
+            Quantity::Centre { link, .. } => phases.any(|phase| phase.link == link),
             Quantity::SurfaceHeight { surface } | Quantity::SurfaceTilt { surface, .. } => {
                 phases.any(|phase| phase.on_surface().is_some_and(|on| on.surface == surface))
             }

@@ -62,7 +62,7 @@ impl Fall {
             position_m: state.position_m,
             velocity_m_s: state.velocity_m_s,
             pull_m_s2,
-            is_ballistic: body.is_ballistic(),
+            is_ballistic: body.drag().is_none(),
             drag_is_free: true,
             glide: Glide::new(pull_m_s2, body.drag(), &state.velocity_m_s),
         }

@@ -94,10 +94,29 @@ pub(super) fn surprise<C: Chain>(timed: &[Timed<C::Reading>], noises: &Noises) -
     surprise
 }
 
+/// The same up to each of the readings.
+pub(super) fn surprises<C: Chain>(timed: &[Timed<C::Reading>], noises: &Noises) -> Vec<Surprise> {
+    let mut sums = Vec::with_capacity(timed.len());
+    filter_each::<C>(timed, noises, &mut Surprise::default(), |sum| {
+        sums.push(*sum)
+    });
+    sums
+}
+
 fn filter<C: Chain>(
     timed: &[Timed<C::Reading>],
     noises: &Noises,
     surprise: &mut Surprise,
+) -> Vec<FilterStep<C>> {
+    filter_each(timed, noises, surprise, |_| ())
+}
+
+/// Calls `each` with the sum after every step.
+fn filter_each<C: Chain>(
+    timed: &[Timed<C::Reading>],
+    noises: &Noises,
+    surprise: &mut Surprise,
+    mut each: impl FnMut(&Surprise),
 ) -> Vec<FilterStep<C>> {
     let mut steps: Vec<FilterStep<C>> = Vec::with_capacity(timed.len());
     let mut read = 0;
@@ -122,6 +141,7 @@ fn filter<C: Chain>(
             updated,
             transition,
         });
+        each(surprise);
     }
     steps
 }
@@ -155,10 +175,15 @@ fn begin<C: Chain>(timed: &[Timed<C::Reading>], noises: &Noises) -> Believed<C> 
     }
 }
 
+/// What is believed of a chain some time before or after it is believed so \[s\], where nothing else is read.
+pub(super) fn beyond<C: Chain>(from: &Believed<C>, by_s: f64, noises: &Noises) -> Believed<C> {
+    predict(from, by_s, noises).0
+}
+
 fn predict<C: Chain>(from: &Believed<C>, h: f64, noises: &Noises) -> (Believed<C>, Nines) {
     let (chain, transition) = from.chain.advance(h);
     let mut covariance = transition * from.covariance * transition.transpose();
-    // The covariance of integrals of white noise.
+    // The covariance of integrals of white noise; backward, the odd ones have the other sign, as the powers do.
     let growth = [
         [h.powi(5) / 20.0, h.powi(4) / 8.0, h.powi(3) / 6.0],
         [h.powi(4) / 8.0, h.powi(3) / 3.0, h * h / 2.0],
@@ -167,7 +192,7 @@ fn predict<C: Chain>(from: &Believed<C>, h: f64, noises: &Noises) -> (Believed<C
     for (row, of_row) in growth.iter().enumerate() {
         for (column, entry) in of_row.iter().enumerate() {
             for axis in 0..3 {
-                covariance[(3 * row + axis, 3 * column + axis)] += entry * noises.jerk;
+                covariance[(3 * row + axis, 3 * column + axis)] += entry * noises.jerk * h.signum();
             }
         }
     }

@@ -3,7 +3,8 @@ use nalgebra::{SymmetricEigen, UnitQuaternion, Vector3};
 use super::*;
 use crate::math::random::Random;
 use crate::math::so3;
-use crate::motion::{Sample, Seen, Stamp};
+use crate::motion::{Seen, Stamp, TrackSketch};
+use crate::segment::cut::median_interval_s;
 
 /// A swing: the tracker goes to and fro on a bent way while it turns, at `speed_m_s` at most.
 fn swing(speed_m_s: f64, time_s: f64) -> State {
@@ -53,7 +54,13 @@ fn seen(speed_m_s: f64, rate_hz: f64, sd: [f64; 2], random: &mut Random) -> (Tra
 
 fn of(track: &TrackSketch, hits_s: &[f64]) -> HeldMotion {
     let hits: Vec<(usize, f64)> = hits_s.iter().copied().enumerate().collect();
-    smoothed(track, &Pose::identity(), &Held::default(), &hits)
+    smoothed(
+        &track.samples,
+        median_interval_s(track),
+        &Pose::identity(),
+        &Held::default(),
+        &hits,
+    )
 }
 
 /// Shares of errors at collisions within one and within two standard deviations, of positions,

@@ -142,7 +142,13 @@ fn swung(is_stroke: bool, speed_m_s: f64, rate_hz: f64, sd: [f64; 2], seed: u64)
         )
     });
     let track = TrackSketch::new(samples.collect());
-    let motion = smoothed(&track, &Pose::identity(), &Held::default(), &[(0, hit_s)]);
+    let motion = smoothed(
+        &track.samples,
+        1.0 / rate_hz,
+        &Pose::identity(),
+        &Held::default(),
+        &[(0, hit_s)],
+    );
     let off = motion.at(hit_s).state.minus(&swing.state(hit_s));
     let covariance = &motion.meetings[0].covariance;
     let by_part = |of: &dyn Fn(usize) -> f64| [0, 3, 6, 9].map(|at| [at, at + 1, at + 2].map(of));
