@@ -15,7 +15,7 @@ use crate::estimate::unknowns::point::Point;
 use crate::motion::{
     ArcEstimate, AtBound, Counters, DurationEstimate, End, Estimate, EventEstimate, FitUntold, Gap,
     Measured, ParameterEstimate, Progress, Reason, SampleTime, Scene, SegmentResidual, Sketch,
-    TimeMap, Verdict,
+    Verdict,
 };
 use crate::optimise::System;
 use crate::optimise::finish::Finished;
@@ -53,7 +53,7 @@ pub fn estimate(
     let (verdict, end) = judge(problem, solution, &events, &arcs);
     let parameters = problem.parameters.iter().zip(&point.parameters);
     let sample_times = sample_times(problem, point);
-    place_in_hand(problem, sketch, &sample_times, &mut events);
+    held_motion::place(problem, sketch, &sample_times, &mut events);
     let held = held_motion::estimates(scene, sketch, problem, point, &sample_times);
     let grips = held_motion::grips(scene, sketch, problem, point, &events, &sample_times);
     Estimate {
@@ -70,7 +70,7 @@ pub fn estimate(
         duration: DurationEstimate {
             duration_s: match problem.grips.is_empty() {
                 true => timing::duration(context, point).duration_s,
-                false => lasting_s(problem, &arcs, &events),
+                false => held_motion::lasting_s(problem, &arcs, &events),
             },
             sd_s: None,
         },
@@ -120,41 +120,6 @@ fn events(
             leaning: None,
         })
         .collect()
-}
-
-/// In an unknown tempo, sets the times of events at which a hand begins or ends before or after all samples of flights: the
-/// hand moves on in the tempo of the nearest of these.
-fn place_in_hand(
-    problem: &Problem,
-    sketch: &Sketch,
-    flown: &[SampleTime],
-    events: &mut [EventEstimate],
-) {
-    let nodes_s = &problem.nodes_acted_s;
-    let Some((first_s, last_s)) = nodes_s.first().zip(nodes_s.last()) else {
-        return;
-    };
-    let map = TimeMap::new(flown, sketch.origin).filter(|_| problem.times_are_unknown());
-    for event in problem.grips.iter().flatten() {
-        let acted_s = problem.events_acted_s[*event];
-        let is_within = (*first_s..=*last_s).contains(&acted_s);
-        if let Some(map) = &map
-            && !problem.event_is_free[*event]
-            && !is_within
-        {
-            events[*event].time_s = map.physical_s(acted_s);
-            events[*event].is_fixed = false;
-        }
-    }
-}
-
-/// From the first beginning of an arc, or of what a hand does, to the last end \[s\].
-fn lasting_s(problem: &Problem, arcs: &[ArcEstimate], events: &[EventEstimate]) -> f64 {
-    let grips = problem.grips.iter();
-    let grips = grips.map(|ends| ends.map(|event| events[event].time_s));
-    let spans = arcs.iter().map(|arc| [arc.start_s, arc.end_s]).chain(grips);
-    let whole = spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
-    whole.map_or(0.0, |[from_s, to_s]| to_s - from_s)
 }
 
 /// Whether the time of an event that is not free is given: by physical stamps, or as the zero of

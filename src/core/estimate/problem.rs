@@ -350,8 +350,10 @@ pub struct HeldState {
     pub mount: Pose,
     /// `c^½ L⁻¹`.
     pub root: StateCovariance,
-    /// Covariance of the body's state where its own tracker shows both what is held and what flies, so that a hand strays in both.
-    pub strays_from: Option<StateCovariance>,
+    /// Covariance of the smoothed state, where nothing strays.
+    pub covariance: StateCovariance,
+    /// Whether its own tracker shows both what is held and what flies, so that a hand strays in both.
+    pub strays: bool,
     /// Parameters of the tracker.
     pub acting: Vec<Acting>,
     /// The nodes of the time map about the event, where sample times are unknown.

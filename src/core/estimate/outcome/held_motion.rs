@@ -7,8 +7,8 @@ use crate::estimate::unknowns::point::Point;
 use crate::math::Pose;
 use crate::motion::held::{Curve, GripEstimate, HeldEstimate, Knot, Mounted, Passed};
 use crate::motion::{
-    EventEstimate, HeldMotion, Sample, SampleTime, Scene, Sketch, TimeMap, Timing, TrackIndex,
-    TrackSketch,
+    ArcEstimate, EventEstimate, HeldMotion, Sample, SampleTime, Scene, Sketch, TimeMap, Timing,
+    TrackIndex, TrackSketch,
 };
 use crate::physics::State;
 
@@ -156,6 +156,45 @@ pub(in crate::estimate) fn grips(
         order.then(a.span_s[0].total_cmp(&b.span_s[0]))
     });
     grips
+}
+
+/// In an unknown tempo, sets the times of events at which a hand begins or ends before or after all samples of flights: the
+/// hand moves on in the tempo of the nearest of these.
+pub(in crate::estimate) fn place(
+    problem: &Problem,
+    sketch: &Sketch,
+    flown: &[SampleTime],
+    events: &mut [EventEstimate],
+) {
+    let nodes_s = &problem.nodes_acted_s;
+    let Some((first_s, last_s)) = nodes_s.first().zip(nodes_s.last()) else {
+        return;
+    };
+    let map = TimeMap::new(flown, sketch.origin).filter(|_| problem.times_are_unknown());
+    for event in problem.grips.iter().flatten() {
+        let acted_s = problem.events_acted_s[*event];
+        let is_within = (*first_s..=*last_s).contains(&acted_s);
+        if let Some(map) = &map
+            && !problem.event_is_free[*event]
+            && !is_within
+        {
+            events[*event].time_s = map.physical_s(acted_s);
+            events[*event].is_fixed = false;
+        }
+    }
+}
+
+/// From the first beginning of an arc, or of what a hand does, to the last end \[s\].
+pub(in crate::estimate) fn lasting_s(
+    problem: &Problem,
+    arcs: &[ArcEstimate],
+    events: &[EventEstimate],
+) -> f64 {
+    let grips = problem.grips.iter();
+    let grips = grips.map(|ends| ends.map(|event| events[event].time_s));
+    let spans = arcs.iter().map(|arc| [arc.start_s, arc.end_s]).chain(grips);
+    let whole = spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+    whole.map_or(0.0, |[from_s, to_s]| to_s - from_s)
 }
 
 /// Knots that reach as far as a span, by the motion at their ends.

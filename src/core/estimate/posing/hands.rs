@@ -43,7 +43,7 @@ impl PosedHands<'_> {
                 .retain(|of| matches!(of.influence, Influence::ClockRate | Influence::ClockOffset));
             return Some(state);
         }
-        let mut state = state.of_body();
+        state.strays = true;
         if self.scene.performer != Performer::Nobody {
             let weights = &self.scene.weights;
             let units = [weights.position_m, weights.orientation_rad];

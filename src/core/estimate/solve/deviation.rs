@@ -90,7 +90,7 @@ fn shows_hand(context: &SolveContext, point: &Point, event: usize) -> bool {
     changes.all(|of| match of.sides {
         [Moving::Hand(held), Moving::Arc(arc)] if of.keeps_velocities => {
             let held = &problem.held[held];
-            held.strays_from.is_none() || held.shows_hand(problem, point, arc)
+            !held.strays || held.shows_hand(problem, point, arc)
         }
         _ => true,
     })

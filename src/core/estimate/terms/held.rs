@@ -13,7 +13,9 @@
 //! `P` is that at the event's mark and stays; `m` follows the event and the parameters `u` of the
 //! tracker, its mount and its clock. `c` is how often samples are counted, so that neither side pulls
 //! more than it knows. Where a body's own tracker shows it in a hand and then flying, a hand that acts strays in both
-//! ([`Process`]), and its variance is added to `P`. The impact deflects only what hits the body, and the state after it is `q` too.
+//! (`hand`), and its variance is added to `P`. The impact deflects only what hits the body, and the state after it is `q` too.
+
+mod hand;
 
 use nalgebra::{Cholesky, DVector, SMatrix, Vector3};
 
@@ -22,7 +24,6 @@ use crate::estimate::problem::influence::{Acting, Influence};
 use crate::estimate::problem::{HeldState, Problem};
 use crate::estimate::unknowns::layout::Layout;
 use crate::estimate::unknowns::point::Point;
-use crate::estimate::wander::Process;
 use crate::math::{Pose, so3};
 use crate::motion::held::{Meeting, Mounted};
 use crate::motion::{HeldMotion, LinkIndex, TrackIndex};
@@ -31,10 +32,6 @@ use crate::physics::state::{self, StateTangent, part};
 
 /// Derivatives of twelve residuals by a state.
 type Twelve = SMatrix<f64, 12, 12>;
-
-/// By so many standard deviations per axis an acceleration differs from that of a flight where a hand is seen to let go: of a
-/// thousand that do not differ, one does so.
-const SHOWN: f64 = 4.0;
 
 /// Residuals with their derivatives.
 pub struct HeldTerm {
@@ -75,47 +72,11 @@ impl HeldState {
             motion: motion.clone(),
             mount: *mount,
             root: inverse_root(&covariance) * motion.counted.sqrt(),
-            strays_from: None,
+            covariance,
+            strays: false,
             acting,
             nodes,
         }
-    }
-
-    /// The same of a body whose own tracker goes on to show its flight.
-    pub fn of_body(self) -> Self {
-        let mounted = Mounted::new(&self.motion.at(self.met_at_s()), &self.mount);
-        let meeting = self.motion.meeting(self.event);
-        let covariance = meeting.map(|meeting| mounted.covariance(&meeting.covariance));
-        Self {
-            strays_from: covariance,
-            ..self
-        }
-    }
-
-    /// Takes in that a hand strays so from what is meant, in place and turn, in units of these: the smoothed state errs with it.
-    pub fn stray(&mut self, errors: &[Process; 2], units: [f64; 2]) {
-        let Some(mut covariance) = self.strays_from else {
-            return;
-        };
-        let parts = [
-            [part::POSITION, part::VELOCITY],
-            [part::ORIENTATION, part::ANGULAR_VELOCITY],
-        ];
-        for ((process, unit), at) in errors.iter().zip(units).zip(parts) {
-            let strayed = [process.stray_variance(), process.stray_rate_variance()];
-            for (at, variance) in at.into_iter().zip(strayed) {
-                for axis in at..at + 3 {
-                    covariance[(axis, axis)] += unit * unit * variance;
-                }
-            }
-        }
-        self.root = inverse_root(&covariance) * self.motion.counted.sqrt();
-    }
-
-    /// Acted time of its mark \[s\].
-    fn met_at_s(&self) -> f64 {
-        let meeting = self.motion.meeting(self.event);
-        meeting.map_or(0.0, |meeting| meeting.acted_s)
     }
 
     /// How often its residuals count: their variance.
@@ -195,37 +156,6 @@ impl HeldState {
             .chain(nodes.map(|node| layout.nodes[node]))
             .chain(acting.map(|acting| Some(layout.parameters[acting.parameter])))
             .collect()
-    }
-
-    /// Whether its tracker shows that a hand lets go of it at a point, or takes it: that it is accelerated otherwise than in flight,
-    /// by more than so many deviations of that. Where it is not, nothing tells when that is.
-    pub fn shows_hand(&self, problem: &Problem, point: &Point, arc: usize) -> bool {
-        let Some(meeting) = self.motion.meeting(self.event) else {
-            return false;
-        };
-        let clock = self.clock(problem, point);
-        let driven = self.mounted(clock.acted_s, &point.parameters).driven;
-        let there = driven.at_rate(clock.rate);
-        let body = problem.body_of(arc);
-        let gravity = problem.gravity(&point.parameters);
-        let State {
-            velocity_m_s,
-            angular_velocity_rad_s: omega,
-            ..
-        } = there.state;
-        let drag = body.drag().acceleration_m_s2(&velocity_m_s);
-        let flown = body.pull_m_s2(&gravity) + drag;
-        let moments = body.moments_kg_m2();
-        let turned = -omega
-            .cross(&moments.component_mul(&omega))
-            .component_div(&moments);
-        let off = [
-            there.acceleration_m_s2 - flown,
-            there.angular_acceleration_rad_s2 - turned,
-        ];
-        let mut each = off.iter().zip(meeting.acceleration_sds);
-        let squared = clock.rate * clock.rate;
-        each.any(|(off, sd)| off.norm() > SHOWN * sd * squared)
     }
 
     /// How the tracker is mounted: link from tracker.

@@ -64,7 +64,7 @@ impl Scene {
     /// What supports the body in a phase; `None` in a hand.
     ///
     /// # Panics
-    /// Of a surface that is no plane: `config` refuses it.
+    /// Of a surface that is no plane, and of a rim on one: `config` refuses both.
     pub fn support(&self, phase: &SupportPhase) -> Option<Support> {
         let on = match &phase.by {
             SupportedBy::Surface(on) => on,
@@ -84,9 +84,8 @@ impl Scene {
                 radius_m,
                 axis: direction,
             },
-            Feature::Point { radius_m, .. } | Feature::Rim { radius_m, .. } => {
-                OnPlane::Ball { radius_m }
-            }
+            Feature::Point { radius_m, .. } => OnPlane::Ball { radius_m },
+            Feature::Rim { .. } => panic!("a ball, a face or a side"),
         };
         Some(Support::Plane(PlaneSupport {
             normal,
