@@ -118,7 +118,7 @@ fn rebounds_tell_of_twirls() {
 /// About a thin body's own axis nothing turns what is seen: the least roll is chosen, and found.
 #[test]
 fn an_axis_seen_alone_is_enough_for_a_thin_body() {
-    for seed in 8000..8004 {
+    for seed in 8000..8002 {
         let case = Case::pencil(Style::Tip, &Acting::timing_known(), seed);
         for part in [Part::Ends, Part::Axis] {
             let (estimate, off_m, _) = off(&case, part);

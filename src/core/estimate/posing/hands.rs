@@ -27,15 +27,16 @@ impl PosedHands<'_> {
         let (track, of) = tracks.find(|(_, track)| track.link == link)?;
         let motion = self.sketch.tracks[track].held.as_ref();
         let motion = motion.expect("a motion that an earlier stage found");
-        Some(self.state(event, link, (track, motion), &of.link_from_tracker))
+        Some(self.state(event, link, track, motion, &of.link_from_tracker))
     }
 
     /// What is in a hand in a phase that begins or ends at an event.
     pub(super) fn gripped(&self, phase: usize, event: usize) -> Option<HeldState> {
         let of = &self.scene.phases[phase];
         let hand = of.in_hand()?;
-        let seen = (hand.track, self.sketch.grip(phase)?);
-        let mut state = self.state(event, of.link, seen, &hand.link_from_tracker);
+        let motion = self.sketch.grip(phase)?;
+        let mount = &hand.link_from_tracker;
+        let mut state = self.state(event, of.link, hand.track, motion, mount);
         // How the hand's tracker is mounted is told in axes of the hand, which strays from nothing.
         if self.scene.tracks[hand.track].link != of.link {
             state
@@ -56,7 +57,8 @@ impl PosedHands<'_> {
         &self,
         event: usize,
         link: LinkIndex,
-        (track, motion): (TrackIndex, &HeldMotion),
+        track: TrackIndex,
+        motion: &HeldMotion,
         mount: &Pose,
     ) -> HeldState {
         let own = self.roles.iter();
