@@ -4,10 +4,13 @@ use std::path::Path;
 
 use enact::config::scene_from_toml;
 use enact::ingest::Recording;
-use enact::motion::{Estimate, Performer, Scene, TakeEvent, Verdict};
+use enact::motion::{
+    Estimate, Mark, Performer, PoseSample, Scene, Stamp, TakeEvent, TrackIndex, Verdict,
+};
 use enact::pipeline::Preview;
 use enact_tools::case::{Case, estimated};
 use enact_tools::perform::{Acting, Style};
+use nalgebra::Vector3;
 
 /// Where two estimations end in one optimum, they agree to this [s, and relative].
 const SAME: f64 = 1e-6;
@@ -143,4 +146,59 @@ fn scenes_with_several_bodies_and_parameters_are_previewed() {
     let events = recording.take(&scene).expect("take").events;
     let (warm, cold) = act(&scene, &events, true, "hat and box");
     assert!(warm > cold, "{warm}, {cold}");
+}
+
+/// What is carried at a steady pace, thrown, and lies still in a hand again.
+#[test]
+fn phases_are_previewed_once_they_are_over() {
+    let toml = "name = \"x\"\nhand = \"none\"\n[timing]\nstamps = \"physical\"\n\
+        [[body]]\nname = \"ball\"\nshape = { kind = \"sphere\", radius_mm = 30 }\nmass_g = 60\n\
+        [[event]]\nname = \"go\"\nkind = \"start\"\n\
+        [[event]]\nname = \"thrown\"\nkind = \"change\"\nbody = \"ball\"\n\
+        [[event]]\nname = \"caught\"\nkind = \"change\"\nbody = \"ball\"\n\
+        [[event]]\nname = \"end\"\nkind = \"end\"\n\
+        [[phase]]\nname = \"carried\"\nmotion = \"held\"\nbody = \"ball\"\nfrom = \"go\"\nuntil = \"thrown\"\n\
+        [[phase]]\nname = \"taken\"\nmotion = \"held\"\nbody = \"ball\"\nfrom = \"caught\"\nuntil = \"end\"\n";
+    let scene = scene_from_toml(toml).expect("valid");
+    let [thrown_s, caught_s, end_s] = [0.5, 0.9, 1.4];
+    let velocity_m_s = Vector3::new(1.0, 0.2, 2.5);
+    let place_m = |time_s: f64| {
+        let flown_s = (time_s.min(caught_s) - thrown_s).max(0.0);
+        velocity_m_s * time_s.min(caught_s) - Vector3::z() * (0.5 * 9.80665 * flown_s * flown_s)
+    };
+    let stamp = |time_s: f64| Stamp((time_s * 1e9).round() as i64);
+    let pose = |time_s: f64| TakeEvent::Pose {
+        track: TrackIndex(0),
+        stream: 0,
+        sample: PoseSample::new(stamp(time_s), place_m(time_s), [0.0, 0.0, 0.0, 1.0]),
+    };
+    let mark = |time_s: f64, name: &str| {
+        TakeEvent::Mark(Mark {
+            stamp: stamp(time_s),
+            event: Some(name.into()),
+        })
+    };
+    let mut events: Vec<TakeEvent> = (0..=168).map(|k| pose(f64::from(k) / 120.0)).collect();
+    let marks = [
+        (0.0, "go"),
+        (thrown_s, "thrown"),
+        (caught_s, "caught"),
+        (end_s, "end"),
+    ];
+    events.extend(marks.map(|(time_s, name)| mark(time_s, name)));
+    events.sort_by_key(TakeEvent::stamp);
+    let mut preview = Preview::new(scene.clone());
+    let mut told = Vec::new();
+    for of in &events {
+        preview.push(of.clone());
+        if let Ok(Some(of)) = preview.estimate(&mut ()) {
+            told.push(of.outcome.scene.events.len());
+        }
+    }
+    told.dedup();
+    assert_eq!(told, [2, 3, 4]);
+    let whole = preview.estimate(&mut ()).expect("a take").expect("begun");
+    let estimate = &whole.outcome.estimate;
+    assert_eq!(estimate.verdict, Verdict::Physical, "{:?}", estimate.reason);
+    assert_eq!((estimate.grips.len(), estimate.arcs.len()), (2, 1));
 }

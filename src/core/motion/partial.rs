@@ -8,6 +8,7 @@ impl Scene {
     pub fn first_events(&self, count: usize) -> Scene {
         let mut scene = self.clone();
         scene.events.truncate(count);
+        scene.phases.retain(|phase| phase.events[1] < count);
         scene
             .goals
             .retain(|goal| goal.events().all(|event| event < count));

@@ -200,7 +200,16 @@ impl Preview {
         let whole = self.scene.with_marks(marks + to_come);
         let marked = whole.events_marked(self.mark_names());
         let waits = marked == 0 && events.first().is_some_and(|e| e.kind == EventKind::Start);
-        (!waits).then(|| whole.first_events(marked))
+        if waits {
+            return None;
+        }
+        // Of a phase that is not over the motion is told up to its beginning.
+        let mut phases = whole.phases.iter();
+        let begun = phases.find(|phase| phase.events[0] < marked && marked <= phase.events[1]);
+        match begun.map(|phase| phase.events[0]) {
+            None => Some(whole.first_events(marked)),
+            Some(begun) => (begun > 0 && begun + 1 == marked).then(|| whole.until(begun)),
+        }
     }
 
     fn mark_names(&self) -> impl Iterator<Item = Option<&str>> {
