@@ -287,7 +287,7 @@ pub struct ArcChange {
     /// The event.
     pub event: usize,
     /// What moves the body before and after it; an arc at least on one side.
-    pub sides: [Moving; 2],
+    pub sides: [MovedBy; 2],
     /// Whether its velocities go on, too: not where a hand takes it, or puts it down.
     pub keeps_velocities: bool,
     /// Whether friction ends the slip there.
@@ -300,7 +300,7 @@ pub struct ArcChange {
 
 /// What moves a body beside an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Moving {
+pub enum MovedBy {
     /// Its own motion (index into [`Problem::arcs`]).
     Arc(usize),
     /// A hand (index into [`Problem::held`]).

@@ -151,7 +151,7 @@ impl Preview {
         };
         inferred.solved.estimate.counters.assignment_rounds = cut.rounds;
         follow(&mut sketch, &mut cut, &mut inferred, observer);
-        account(&self.scene, &sketch, &cut.segments, &mut counts);
+        account(&scene, &sketch, &cut.segments, &mut counts);
         let (segments, solved) = (cut.segments.clone(), inferred.solved.estimate.verdict);
         let mut outcome = Outcome::unchecked(
             inferred,

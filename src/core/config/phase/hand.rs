@@ -67,8 +67,12 @@ pub(super) fn gripped(
         return fault(spanned.get_ref().child.span(), said);
     }
     let mut trackers = scene.tracks.iter_enumerated();
-    let own = trackers.find(|(_, track)| track.link == hand);
-    let (track, seen) = own.expect("a held body is tracked");
+    let Some((track, seen)) = trackers.find(|(_, track)| track.link == hand) else {
+        return fault(
+            spanned.span(),
+            "no tracker sees the held body, expected one that does",
+        );
+    };
     let hand_from_child = made.parent_from_joint * made.link_from_joint.inverse();
     let grip = InHand {
         track,

@@ -22,7 +22,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::kind::{At, Constraint, Filled};
 use super::rows::STATE;
 use crate::estimate::problem::influence::Influence;
-use crate::estimate::problem::{ArcChange, Moving, Problem, unit};
+use crate::estimate::problem::{ArcChange, MovedBy, Problem, unit};
 use crate::estimate::reach::arrival::{ByStates, GeneralArrival};
 use crate::estimate::unknowns::layout::Layout;
 use crate::math::so3;
@@ -46,8 +46,8 @@ impl Constraint for ArcChange {
         let acting = self.acting.iter();
         let acting = acting.map(|acting| layout.parameters[acting.parameter]);
         let [before, after] = self.sides.map(|side| match side {
-            Moving::Arc(arc) => layout.state(arc),
-            Moving::Hand(held) => layout.held[held]..layout.held[held] + STATE,
+            MovedBy::Arc(arc) => layout.state(arc),
+            MovedBy::Hand(held) => layout.held[held]..layout.held[held] + STATE,
         });
         let columns = before.chain(layout.events[self.event]);
         let columns = columns.chain(after).chain(acting);
@@ -108,11 +108,11 @@ impl ArcChange {
         let (pattern, block) = rows;
         let (problem, parameters) = (at.problem, &at.point.parameters);
         let time_s = at.point.event_times_s[self.event];
-        let reach = |side: Moving| match side {
-            Moving::Arc(arc) => {
+        let reach = |side: MovedBy| match side {
+            MovedBy::Arc(arc) => {
                 GeneralArrival::new(problem, at.point, arc, at.epochs_s[arc], time_s)
             }
-            Moving::Hand(held) => Some(GeneralArrival::given(&at.point.held[held])),
+            MovedBy::Hand(held) => Some(GeneralArrival::given(&at.point.held[held])),
         };
         let (before, after) = (reach(self.sides[0])?, reach(self.sides[1])?);
         let mut gap = after.end.state.minus(&before.end.state);
@@ -144,7 +144,7 @@ impl ArcChange {
             let sides = [(&before, by_before), (&after, by_after)].into_iter();
             let arcs = sides
                 .zip(self.sides)
-                .filter(|(_, side)| matches!(side, Moving::Arc(_)));
+                .filter(|(_, side)| matches!(side, MovedBy::Arc(_)));
             arcs.map(|((arrival, by), _)| by * arrival.by_acting(acting, value))
                 .sum::<StateTangent>()
         }));

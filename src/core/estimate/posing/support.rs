@@ -2,7 +2,7 @@
 
 use super::gravity;
 use crate::estimate::problem::influence::Acting;
-use crate::estimate::problem::{Arc, ArcChange, ArcSupport, Moving, SupportPlace};
+use crate::estimate::problem::{Arc, ArcChange, ArcSupport, MovedBy, SupportPlace};
 use crate::motion::{EventKind, Scene, Sketch, SupportedBy};
 use crate::physics::contact::Feature;
 use crate::physics::support::Caught;
@@ -25,7 +25,7 @@ pub(super) fn changes(
                 phase.link == link && at == event && phase.in_hand().is_some()
             });
             if let Some(phase) = phase {
-                return hold(phase, event).map(Moving::Hand);
+                return hold(phase, event).map(MovedBy::Hand);
             }
             let mut own = arcs.iter();
             let is_beside = |arc: &Arc| match is_after {
@@ -33,12 +33,12 @@ pub(super) fn changes(
                 false => arc.end == Some(event),
             };
             let arc = own.position(|arc| arc.mechanism == mechanism && is_beside(arc));
-            arc.map(Moving::Arc)
+            arc.map(MovedBy::Arc)
         };
         let sides = [side(false)?, side(true)?];
-        let arc = |side: Moving| match side {
-            Moving::Arc(arc) => Some(arc),
-            Moving::Hand(_) => None,
+        let arc = |side: MovedBy| match side {
+            MovedBy::Arc(arc) => Some(arc),
+            MovedBy::Hand(_) => None,
         };
         let [before, after] = sides.map(arc);
         let sustained = |arc: Option<usize>| match arcs[arc?].body.support()? {

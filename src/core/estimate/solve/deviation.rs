@@ -6,7 +6,7 @@ use nalgebra::DVector;
 
 use crate::estimate::covariance::timing;
 use crate::estimate::covariance::{Covariance, Moment};
-use crate::estimate::problem::Moving;
+use crate::estimate::problem::MovedBy;
 use crate::estimate::problem::influence::Influence;
 use crate::estimate::schedule::recipe::Solution;
 use crate::estimate::terms::context::SolveContext;
@@ -88,7 +88,7 @@ fn shows_hand(context: &SolveContext, point: &Point, event: usize) -> bool {
     let problem = context.problem;
     let mut changes = problem.changes.iter().filter(|of| of.event == event);
     changes.all(|of| match of.sides {
-        [Moving::Hand(held), Moving::Arc(arc)] if of.keeps_velocities => {
+        [MovedBy::Hand(held), MovedBy::Arc(arc)] if of.keeps_velocities => {
             let held = &problem.held[held];
             !held.strays || held.shows_hand(problem, point, arc)
         }
