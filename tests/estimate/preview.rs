@@ -196,8 +196,8 @@ fn phases_are_previewed_once_they_are_over() {
         }
     }
     told.dedup();
-    assert_eq!(told, [2, 3, 4]);
     let whole = preview.estimate(&mut ()).expect("a take").expect("begun");
+    assert_eq!(told, [2, 3, 4]);
     let estimate = &whole.outcome.estimate;
     assert_eq!(estimate.verdict, Verdict::Physical, "{:?}", estimate.reason);
     assert_eq!((estimate.grips.len(), estimate.arcs.len()), (2, 1));

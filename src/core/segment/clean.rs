@@ -151,7 +151,10 @@ fn usable(scene: &Scene, events: &[TakeEvent]) -> Result<Usable, SegmentError> {
         let read = stream.len();
         let mut dropped = SampleCounts::default();
         let extent = extent(&scene.tracks[track], stream);
-        let may_stand = scene.sees_held(track);
+        // What is in a hand, or rests, may be seen where it was.
+        let link = scene.tracks[track].link;
+        let has_phase = scene.phases.iter().any(|phase| phase.link == link);
+        let may_stand = scene.sees_held(track) || has_phase;
         drop_unusable(stream, &scene.tracks[track], may_stand, &mut dropped);
         extents.push(extent.ok_or_else(|| no_samples_of(scene, track, 0, read, &dropped))?);
         merge(&mut counts, &dropped);
