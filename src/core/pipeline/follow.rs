@@ -163,7 +163,7 @@ impl<'a> Acted<'a> {
             };
         }
         // What is in a hand is there for another time.
-        segment::hold(self.scene, &mut sketch).ok()?;
+        segment::grip(self.scene, &mut sketch).ok()?;
         let segments = segment::cut(self.scene, &sketch).ok()?;
         (segments != self.segments).then_some(Assigned { sketch, segments })
     }

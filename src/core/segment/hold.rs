@@ -34,8 +34,10 @@ pub fn hold(scene: &Scene, sketch: &mut Sketch) -> Result<(), SegmentError> {
     grip(scene, sketch)
 }
 
-/// Sets the motions of what is in a hand for a while.
-fn grip(scene: &Scene, sketch: &mut Sketch) -> Result<(), SegmentError> {
+/// Sets the motions of what is in a hand for a while; where they were known, they count as often as before.
+///
+/// Fails as [`hold`] does.
+pub fn grip(scene: &Scene, sketch: &mut Sketch) -> Result<(), SegmentError> {
     let known: Vec<Grip> = sketch
         .tracks
         .iter_mut()

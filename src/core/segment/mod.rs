@@ -31,7 +31,7 @@ mod units;
 
 pub use cut::cut;
 pub use error::SegmentError;
-pub use hold::hold;
+pub use hold::{grip, hold};
 pub use propose::{Proposal, ends_of_motion_s, propose};
 pub use refine::{loosen, refine};
 pub use regrip::regrip;

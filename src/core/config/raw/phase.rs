@@ -46,7 +46,7 @@ use super::value::{Number, Text};
 pub(in crate::config) struct RawPhase {
     /// Its name.
     pub(in crate::config) name: Text,
-    /// "slide", "roll" or "rest"; "held": it goes where its tracker saw it, in a hand.
+    /// "slide", "roll", "rest" or "held": it goes where its tracker saw it, in a hand.
     pub(in crate::config) motion: Text,
     /// The body.
     pub(in crate::config) body: Text,
