@@ -17,7 +17,7 @@ const WORDS: &[(&str, &str, &[&str])] = &[
         "kind",
         &["start", "collision", "change", "waypoint", "end"],
     ),
-    ("phase", "motion", &["slide", "roll", "rest"]),
+    ("phase", "motion", &["slide", "roll", "rest", "held"]),
     ("event", "time", &["fixed", "free"]),
     ("joint", "kind", &["pin", "universal", "ball", "fixed"]),
     (
