@@ -34,9 +34,7 @@ fn let_go(
     event: usize,
     rate: f64,
 ) -> Option<State> {
-    let phase = scene.phases.iter().position(|phase| {
-        scene.mechanism_of(phase.link) == segment.mechanism && phase.events[1] == event
-    })?;
+    let phase = scene.grip_beside(segment.mechanism, event, false)?;
     let hand = scene.phases[phase].in_hand()?;
     let motion = sketch.grip(phase)?;
     let mounted = Mounted::new(&motion.at(sketch.marks_s[event]), &hand.link_from_tracker);

@@ -116,8 +116,8 @@ pub(super) fn account(
 /// From the first sample of a body in a hand to after the last, of its own tracker; `None` where it is in none.
 fn gripped(scene: &Scene, sketch: &Sketch, track: TrackIndex) -> Option<[usize; 2]> {
     let own = scene.phases.iter().filter(|phase| {
-        let hand = phase.in_hand();
-        hand.is_some_and(|hand| hand.track == track) && scene.tracks[track].link == phase.link
+        let hand = scene.seen_in_hand(phase);
+        hand.is_some_and(|hand| hand.track == track)
     });
     let samples = &sketch.tracks[track].samples;
     let ends = own.map(|phase| {

@@ -33,11 +33,10 @@ pub fn regrip(scene: &Scene, sketch: &mut Sketch) {
     }
     for phase in &scene.phases {
         let mechanism = scene.mechanism_of(phase.link);
-        let own = phase.in_hand().filter(|hand| {
-            let is_own = scene.tracks[hand.track].link == phase.link;
-            is_own && scene.moves(mechanism)
-        });
-        let Some(hand) = own else { continue };
+        let own = scene.seen_in_hand(phase);
+        let Some(hand) = own.filter(|_| scene.moves(mechanism)) else {
+            continue;
+        };
         for (side, event) in phase.events.into_iter().enumerate() {
             let is_release = side == 1;
             let flies = scene.phase_beside(mechanism, event, is_release).is_none();

@@ -1,6 +1,6 @@
 //! The motion of one link of joined bodies, for the checks that bodies by themselves go through.
 
-use crate::motion::{ArcEstimate, Estimate, LinkIndex, Scene, TreeEstimate};
+use crate::motion::{ArcEstimate, Estimate, LinkIndex, MechanismIndex, Scene, TreeEstimate};
 use crate::physics::State;
 use crate::physics::tree::{Snapshot, Tree};
 
@@ -46,15 +46,9 @@ impl<'a> JoinedLink<'a> {
         let hits = hits.map(|of| of.time_s);
         let mut ends_s: Vec<f64> = [start_s].into_iter().chain(hits).chain([end_s]).collect();
         ends_s.sort_by(f64::total_cmp);
-        let pieces = ends_s.windows(2).map(|pair| ArcEstimate {
-            mechanism: self.motion.mechanism,
-            epoch_s: pair[0],
-            state: self.at(pair[0]),
-            start_s: pair[0],
-            end_s: pair[1],
-            support: None,
-            certainty: None,
-        });
+        let mechanism = self.motion.mechanism;
+        let pieces = ends_s.windows(2);
+        let pieces = pieces.map(|pair| piece(mechanism, [pair[0], pair[1]], self.at(pair[0])));
         pieces.collect()
     }
 
@@ -79,5 +73,22 @@ impl<'a> JoinedLink<'a> {
             state.velocity_m_s.norm() + state.angular_velocity_rad_s.norm() * radius_m
         });
         BETWEEN * speeds.fold(0.0, f64::max)
+    }
+}
+
+/// A piece of a motion that is no flight of its own, with its state at the beginning.
+pub(in crate::verify) fn piece(
+    mechanism: MechanismIndex,
+    [start_s, end_s]: [f64; 2],
+    state: State,
+) -> ArcEstimate {
+    ArcEstimate {
+        mechanism,
+        epoch_s: start_s,
+        state,
+        start_s,
+        end_s,
+        support: None,
+        certainty: None,
     }
 }

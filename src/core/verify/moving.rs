@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::bound::SpeedBound;
-use super::link::JoinedLink;
+use super::link::{JoinedLink, piece};
 use crate::motion::held::{GripEstimate, HeldEstimate};
 use crate::motion::{ArcEstimate, Estimate, Link, LinkIndex, Scene};
 use crate::physics::shape::Solid;
@@ -39,15 +39,8 @@ impl<'a> MovingLink<'a> {
             (None, Some(joined)) => joined.arcs(),
             (None, None) => {
                 let flights = estimate.arcs.iter().filter(is_its).cloned();
-                let grips = estimate.grips_of(index).map(|of| ArcEstimate {
-                    mechanism,
-                    epoch_s: of.span_s[0],
-                    state: of.state(of.span_s[0]),
-                    start_s: of.span_s[0],
-                    end_s: of.span_s[1],
-                    support: None,
-                    certainty: None,
-                });
+                let grips = estimate.grips_of(index);
+                let grips = grips.map(|of| piece(mechanism, of.span_s, of.state(of.span_s[0])));
                 let mut arcs: Vec<ArcEstimate> = grips.chain(flights).collect();
                 arcs.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
                 arcs
@@ -140,14 +133,8 @@ fn between_collisions(
     let hits = hits.filter(|time_s| (start_s..=end_s).contains(time_s));
     let mut ends_s: Vec<f64> = [start_s].into_iter().chain(hits).chain([end_s]).collect();
     ends_s.sort_by(f64::total_cmp);
-    let pieces = ends_s.windows(2).map(|pair| ArcEstimate {
-        mechanism: scene.mechanism_of(link),
-        epoch_s: pair[0],
-        state: held.state(pair[0]),
-        start_s: pair[0],
-        end_s: pair[1],
-        support: None,
-        certainty: None,
-    });
+    let mechanism = scene.mechanism_of(link);
+    let pieces = ends_s.windows(2);
+    let pieces = pieces.map(|pair| piece(mechanism, [pair[0], pair[1]], held.state(pair[0])));
     pieces.collect()
 }

@@ -135,7 +135,7 @@ pub(in crate::estimate) fn grips(
         let mount = first.map_or(hand.link_from_tracker, |held| {
             held.mount_at(&point.parameters)
         });
-        let is_own = scene.tracks[hand.track].link == phase.link;
+        let is_own = scene.seen_in_hand(phase).is_some();
         let [from_s, until_s] = phase.events.map(|event| sketch.marks_s[event]);
         // Those of a hand are told with it.
         let is_its = |of: &&Sample| is_own && of.acted_s >= from_s && of.acted_s <= until_s;

@@ -38,7 +38,7 @@ impl PosedHands<'_> {
         let mount = &hand.link_from_tracker;
         let mut state = self.state(event, of.link, hand.track, motion, mount);
         // How the hand's tracker is mounted is told in axes of the hand, which strays from nothing.
-        if self.scene.tracks[hand.track].link != of.link {
+        if self.scene.seen_in_hand(of).is_none() {
             state
                 .acting
                 .retain(|of| matches!(of.influence, Influence::ClockRate | Influence::ClockOffset));

@@ -20,11 +20,7 @@ pub(super) fn changes(
     let changes = changes.filter_map(|(event, link)| {
         let mechanism = scene.mechanism_of(link);
         let mut side = |is_after: bool| {
-            let phase = scene.phases.iter().position(|phase| {
-                let at = phase.events[usize::from(!is_after)];
-                phase.link == link && at == event && phase.in_hand().is_some()
-            });
-            if let Some(phase) = phase {
+            if let Some(phase) = scene.grip_beside(mechanism, event, is_after) {
                 return hold(phase, event).map(MovedBy::Hand);
             }
             let mut own = arcs.iter();

@@ -1,6 +1,6 @@
 //! Which phase a mechanism is in, and what supports it there.
 
-use super::phase::{SupportPhase, SupportedBy};
+use super::phase::{InHand, SupportPhase, SupportedBy};
 use super::whole::Scene;
 use crate::motion::estimate::{ArcEstimate, EventEstimate};
 use crate::motion::index::MechanismIndex;
@@ -55,10 +55,29 @@ impl Scene {
         phase.is_some_and(|phase| phase.in_hand().is_some())
     }
 
+    /// The phase (index into [`Scene::phases`]) of which a hand moves a mechanism after an event, or before it.
+    pub fn grip_beside(
+        &self,
+        mechanism: MechanismIndex,
+        event: usize,
+        is_after: bool,
+    ) -> Option<usize> {
+        let at = usize::from(!is_after);
+        self.phases.iter().position(|phase| {
+            let is_its = self.mechanism_of(phase.link) == mechanism;
+            is_its && phase.events[at] == event && phase.in_hand().is_some()
+        })
+    }
+
     /// Whether a hand lets go of a mechanism at an event, or takes it.
     pub fn hand_beside(&self, mechanism: MechanismIndex, event: usize, is_after: bool) -> bool {
-        let phase = self.phase_beside(mechanism, event, is_after);
-        phase.is_some_and(|phase| phase.in_hand().is_some())
+        self.grip_beside(mechanism, event, is_after).is_some()
+    }
+
+    /// How a body's own tracker sees it in a hand in a phase; `None` where the hand is tracked instead, and in no hand.
+    pub fn seen_in_hand<'s>(&self, phase: &'s SupportPhase) -> Option<&'s InHand> {
+        let is_own = |hand: &&InHand| self.tracks[hand.track].link == phase.link;
+        phase.in_hand().filter(is_own)
     }
 
     /// What supports the body in a phase; `None` in a hand.
