@@ -76,6 +76,7 @@ pub(crate) fn sketch() -> Sketch {
         origin: Stamp(FIRST_NS),
         tracks: [TrackSketch::new(samples)].into_iter().collect(),
         marks_s: vec![0.8, 1.9],
+        contacts_s: Default::default(),
         marks: vec![None; 2],
     }
 }
@@ -91,6 +92,7 @@ pub(crate) fn estimate() -> Estimate {
         certainty: None,
     };
     let event = |event, time_s, acted_s, sd_s| EventEstimate {
+        contact_s: 0.0,
         event,
         time_s,
         sd_s,

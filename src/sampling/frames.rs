@@ -8,10 +8,12 @@ use super::error::SamplingError;
 use crate::math::Pose;
 use crate::motion::held::{GripEstimate, HeldEstimate};
 use crate::motion::{
-    ArcEstimate, Estimate, JointTree, LinkIndex, MechanismIndex, PoseSample, Scene, Seen, Settled,
+    ArcEstimate, Estimate, EventEstimate, JointTree, LinkIndex, MechanismIndex, PoseSample, Scene, Seen, Settled,
     Sketch, Stamp,
 };
+use crate::physics::State;
 use crate::physics::flow::{Fall, Spin, Supported};
+use crate::physics::impact::{Pressed, Velocities};
 use crate::physics::tree::{Snapshot, Tree, TreeState};
 
 /// Most frames that are made, of all links: [`FRAME_LIMIT`] and so many per sample that was read. A
@@ -106,7 +108,9 @@ fn free_frames(
         }))
     });
     let grips = estimate.grips_of(link).map(FramedPiece::Grip);
-    let mut pieces: Vec<FramedPiece> = grips.chain(flights).collect();
+    let events = estimate.events.iter();
+    let pressed = events.filter_map(|event| pressed(scene, estimate, link, event));
+    let mut pieces: Vec<FramedPiece> = grips.chain(flights).chain(pressed).collect();
     pieces.sort_by(|a, b| a.span_s()[0].total_cmp(&b.span_s()[0]));
     let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else {
         return Ok(Vec::new());
@@ -324,6 +328,43 @@ enum FramedPiece<'a> {
     Arc(Box<FramedArc<'a>>),
     /// In a hand.
     Grip(&'a GripEstimate),
+    /// In a contact that lasts.
+    Pressed(Box<PressedPiece>),
+}
+
+/// A body in a contact that lasts.
+struct PressedPiece {
+    touch_s: f64,
+    touching: State,
+    /// The velocities after an impact of one moment.
+    after: Velocities,
+    pressed: Pressed,
+}
+
+/// What a link does while it presses on something at an event, if it does.
+fn pressed<'a>(
+    scene: &Scene,
+    estimate: &Estimate,
+    link: LinkIndex,
+    event: &EventEstimate,
+) -> Option<FramedPiece<'a>> {
+    let pressed = scene.pressed(estimate, event, link)?;
+    let mechanism = scene.mechanism_of(link);
+    let own = |arc: &&ArcEstimate| arc.mechanism == mechanism;
+    let mut arcs = estimate.arcs.iter().filter(own);
+    let before = arcs.clone().find(|arc| arc.end_s == event.time_s)?;
+    let after = arcs.find(|arc| arc.start_s == event.left_s())?;
+    let gravity_m_s2 = &estimate.gravity_m_s2;
+    let left = scene.flown(after, gravity_m_s2, event.left_s());
+    Some(FramedPiece::Pressed(Box::new(PressedPiece {
+        touch_s: event.time_s,
+        touching: scene.flown(before, gravity_m_s2, event.time_s),
+        after: Velocities {
+            velocity_m_s: left.velocity_m_s - pressed.pull_m_s2 * pressed.duration_s,
+            ..Velocities::of(&left)
+        },
+        pressed,
+    })))
 }
 
 impl FramedPiece<'_> {
@@ -331,6 +372,7 @@ impl FramedPiece<'_> {
         match self {
             FramedPiece::Arc(of) => [of.arc.start_s, of.arc.end_s],
             FramedPiece::Grip(of) => of.span_s,
+            FramedPiece::Pressed(of) => [of.touch_s, of.touch_s + of.pressed.duration_s],
         }
     }
 }
@@ -342,6 +384,11 @@ fn pose_at(pieces: &mut [FramedPiece], time_s: f64) -> Pose {
     let of = match &mut pieces[at] {
         FramedPiece::Arc(of) => of,
         FramedPiece::Grip(of) => return of.state(time_s).world_from_body(),
+        FramedPiece::Pressed(of) => {
+            let since_s = time_s - of.touch_s;
+            let state = of.pressed.state(&of.touching, &of.after, since_s);
+            return state.world_from_body();
+        }
     };
     let FramedArc {
         arc,

@@ -84,13 +84,7 @@ impl Problem {
                     let mut views = segment.views.iter();
                     views.any(|view| view.track == track && view.samples.contains(&of))
                 }
-                Owner::Surface(_) => false,
-                Owner::After(event) => {
-                    let collision = scene.events[event].kind.collision();
-                    let is_hit = |of| scene.takes_part(arc.mechanism, of);
-                    let is_later = |start: usize| sketch.marks_s[start] >= sketch.marks_s[event];
-                    collision.is_some_and(is_hit) && arc.start.is_some_and(is_later)
-                }
+                Owner::Surface(_) | Owner::Contact(_) => false,
             };
             let acting = roles.iter().filter(|role| acting(role));
             let mut of_flights = acting.clone();
@@ -365,7 +359,8 @@ fn collisions(
                 Some(role.acting(Some(side)))
             }
             Owner::Surface(of) => (Some(of) == surface).then(|| role.acting(None)),
-            Owner::Track(_) | Owner::Flight(..) | Owner::Sample(..) | Owner::After(_) => None,
+            Owner::Contact(of) => (of == event).then(|| role.acting(None)),
+            Owner::Track(_) | Owner::Flight(..) | Owner::Sample(..) => None,
         });
         let mut acting: Vec<Acting> = acting.collect();
         let is_parabola = |side: &ArcPair| {

@@ -13,7 +13,7 @@ use typed_index_collections::TiVec;
 
 use self::arc_condition::ArcCondition;
 use self::clearance::Clearance;
-use self::influence::{Acting, Role};
+use self::influence::{Acting, Influence, Role};
 use self::pull::Pull;
 use self::weave::Weave;
 use crate::math::Pose;
@@ -21,9 +21,9 @@ use crate::motion::held::StateCovariance;
 use crate::motion::{
     Cone, FreeParameter, HeldMotion, LinkIndex, MechanismIndex, Performer, Stamp, TrackIndex,
 };
-use crate::physics::impact::{ContactSet, Law};
+use crate::physics::impact::{ContactSet, Law, Pressed, PressedOn, Velocities};
 use crate::physics::support::Caught;
-use crate::physics::{Body, state};
+use crate::physics::{Body, State, state};
 
 /// Units of constraints: violations of one unit have equal weight.
 pub mod unit {
@@ -266,6 +266,53 @@ pub struct ArcCollision {
 }
 
 impl ArcCollision {
+    /// How long its contact lasts \[s\]; zero of one moment.
+    pub fn contact_s(&self, parameters: &[f64]) -> f64 {
+        let mut acting = self.acting.iter();
+        let lasting = acting.find(|acting| acting.influence == Influence::ContactDuration);
+        lasting.map_or(0.0, |acting| parameters[acting.parameter])
+    }
+
+    /// The part of a pull that the contact does not bear while it lasts.
+    pub fn unborne(&self, pull_m_s2: &Vector3<f64>) -> Vector3<f64> {
+        let on = match (self.sides.len(), self.held) {
+            (1, None) => PressedOn::World,
+            (1, Some(_)) => PressedOn::Held,
+            _ => PressedOn::Flying,
+        };
+        self.contacts.unborne(pull_m_s2, on)
+    }
+
+    /// How a body is pressed whose contact lasts; `None` of one moment.
+    pub fn pressed(&self, body: &Body, gravity_m_s2: &Vector3<f64>, parameters: &[f64]) -> Option<Pressed> {
+        let duration_s = self.contact_s(parameters);
+        let lasts = self.acting.iter().any(|acting| acting.influence == Influence::ContactDuration);
+        lasts.then(|| Pressed {
+            duration_s,
+            restitution: self.law(parameters).restitution,
+            pull_m_s2: self.unborne(&body.pull_m_s2(gravity_m_s2)),
+        })
+    }
+
+    /// The state in which a body comes off, from that at the touch and its velocities after the impact.
+    pub fn left(
+        &self,
+        body: &Body,
+        gravity_m_s2: &Vector3<f64>,
+        parameters: &[f64],
+        touching: &State,
+        after: &Velocities,
+    ) -> State {
+        match self.pressed(body, gravity_m_s2, parameters) {
+            Some(pressed) => pressed.left(touching, after).state,
+            None => State {
+                velocity_m_s: after.velocity_m_s,
+                angular_velocity_rad_s: after.angular_velocity_rad_s,
+                ..*touching
+            },
+        }
+    }
+
     /// Its law with free quantities taken from `parameters`.
     pub fn law(&self, parameters: &[f64]) -> Law {
         let value = |index: Option<usize>, otherwise| index.map_or(otherwise, |p| parameters[p]);
@@ -662,6 +709,13 @@ impl Problem {
             }
         }
         gravity
+    }
+
+    /// How long the contact lasts with which an arc begins \[s\]: so much later than its event it begins.
+    pub fn pressed_before_s(&self, arc: usize, parameters: &[f64]) -> f64 {
+        let mut collisions = self.collisions.iter();
+        let begins = |of: &&ArcCollision| of.sides.iter().any(|side| side.after == arc);
+        collisions.find(begins).map_or(0.0, |of| of.contact_s(parameters))
     }
 
     /// Components of gravity that are free.

@@ -74,6 +74,13 @@ pub fn guess(
     let time_line = GuessedTimes::new(scene, sketch, segments, &rates);
     let parameters = scene.parameters.iter().map(|free| free.initial);
     let mut parameters: Vec<f64> = parameters.collect();
+    for (event, contact_s) in &sketch.contacts_s {
+        let free = scene.parameter_of(Quantity::ContactDuration { event: *event });
+        if let Some(free) = free {
+            let of = &scene.parameters[free];
+            parameters[free] = contact_s.clamp(of.lower, of.upper);
+        }
+    }
     let mut fit_iterations = 0;
     let mut fits: Vec<Vec<ArcFit>> = Vec::new();
     let mut arcs = Vec::new();

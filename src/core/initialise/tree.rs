@@ -228,6 +228,7 @@ mod tests {
                 origin: Stamp(0),
                 tracks: tracks.by_ref().collect(),
                 marks_s: vec![0.0, 0.1],
+                contacts_s: Default::default(),
                 marks: vec![None; 2],
             };
             for place in 0..2 {

@@ -90,6 +90,8 @@ pub struct EventEstimate {
     pub event: usize,
     /// Physical time [s since the first sample].
     pub time_s: f64,
+    /// How long its contact lasts \[s\]: the flights after it begin so much later; zero of one moment.
+    pub contact_s: f64,
     /// Its standard deviation \[s\], the first sample's time being zero; `None` where it is fixed,
     /// undetermined ([`Undetermined::EventTime`]) or was not computed.
     pub sd_s: Option<f64>,
@@ -103,6 +105,13 @@ pub struct EventEstimate {
     pub gap: Gap,
     /// The guess of the scene on which its time leans most, where times are unknown.
     pub leaning: Option<Leaning>,
+}
+
+impl EventEstimate {
+    /// Physical time at which what touched comes off \[s\].
+    pub fn left_s(&self) -> f64 {
+        self.time_s + self.contact_s
+    }
 }
 
 /// How an event's estimated time leans on a value that the scene keeps fixed: its standard deviation supposes that

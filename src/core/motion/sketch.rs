@@ -120,6 +120,8 @@ pub struct Sketch {
     pub marks_s: Vec<f64>,
     /// The performer's mark of each event; `None` for an unmarked one.
     pub marks: Vec<Option<MarkTime>>,
+    /// How long contacts last in the stream, by their event \[s\]: samples meanwhile are of neither side. Others are one moment.
+    pub contacts_s: BTreeMap<usize, f64>,
 }
 
 impl TrackSketch {
@@ -150,6 +152,11 @@ impl TrackSketch {
 }
 
 impl Sketch {
+    /// Acted time at which what touches at an event comes off, where the stream is cut [s since `origin`].
+    pub fn left_s(&self, event: usize) -> f64 {
+        self.marks_s[event] + self.contacts_s.get(&event).unwrap_or(&0.0)
+    }
+
     /// How a tracker moves that shows what is in a hand in a phase (index into `Scene::phases`).
     pub fn grip(&self, phase: usize) -> Option<&HeldMotion> {
         let mut grips = self.tracks.iter().flat_map(|track| &track.grips);

@@ -88,6 +88,8 @@ struct Acted<'a> {
     sketch: &'a Sketch,
     segments: &'a [Segment],
     events_s: Vec<f64>,
+    /// When what touched comes off.
+    left_s: Vec<f64>,
 }
 
 impl<'a> Acted<'a> {
@@ -101,7 +103,10 @@ impl<'a> Acted<'a> {
             let shown_s = kink::caught_s(known, scene, sketch, of.event);
             map.acted_s(shown_s.unwrap_or(of.time_s))
         });
+        let left = known.estimate.events.iter();
+        let left_s = left.map(|of| map.acted_s(of.left_s()));
         let acted = Self {
+            left_s: left_s.collect(),
             scene,
             sketch,
             segments,
@@ -117,12 +122,17 @@ impl<'a> Acted<'a> {
         is_wrong.then_some(acted)
     }
 
+    /// When a flight after an event begins \[s\].
+    fn begins_s(&self, event: usize) -> f64 {
+        self.events_s[event].max(self.left_s[event])
+    }
+
     /// Samples of a segment's view that lie between its events.
     fn within(&self, segment: &Segment, view: &View) -> Range<usize> {
         let samples = self.sketch.samples_of(view);
-        let event_s = |event: Option<usize>| event.map(|event| self.events_s[event]);
-        let from_s = event_s(segment.start_event).unwrap_or(f64::NEG_INFINITY);
-        let to_s = event_s(segment.end_event).unwrap_or(f64::INFINITY);
+        let begin = segment.start_event.map(|event| self.begins_s(event));
+        let end = segment.end_event.map(|event| self.events_s[event]);
+        let (from_s, to_s) = (begin.unwrap_or(f64::NEG_INFINITY), end.unwrap_or(f64::INFINITY));
         let first = samples.partition_point(|sample| sample.acted_s < from_s);
         let last = samples.partition_point(|sample| sample.acted_s <= to_s);
         let begin = view.samples.start;
@@ -133,16 +143,15 @@ impl<'a> Acted<'a> {
     fn is_left_behind(&self, segment: &Segment, view: &View) -> bool {
         let track = &self.sketch.tracks[view.track];
         let slack_s = BEHIND_INTERVALS * median_interval_s(track);
-        let collision_s = |event: Option<usize>| {
-            let event = event?;
-            let is_collision = self.scene.events[event].kind.collision().is_some();
-            is_collision.then_some(self.events_s[event])
+        let collision = |event: Option<usize>| {
+            event.filter(|event| self.scene.events[*event].kind.collision().is_some())
         };
         let acted_s = |index: usize| track.samples.get(index).map(|sample| sample.acted_s);
         let before = view.samples.start.checked_sub(1).and_then(acted_s);
         let after = acted_s(view.samples.end);
-        let ends = collision_s(segment.end_event).zip(after);
-        let begins = collision_s(segment.start_event).zip(before);
+        let end = collision(segment.end_event).map(|event| self.events_s[event]);
+        let begin = collision(segment.start_event).map(|event| self.begins_s(event));
+        let (ends, begins) = (end.zip(after), begin.zip(before));
         ends.is_some_and(|(event_s, after_s)| after_s < event_s - slack_s)
             || begins.is_some_and(|(event_s, before_s)| before_s > event_s + slack_s)
     }
@@ -161,6 +170,9 @@ impl<'a> Acted<'a> {
                 | EventKind::Change(_)
                 | EventKind::Waypoint(_) => *event_s,
             };
+        }
+        for (event, contact_s) in &mut sketch.contacts_s {
+            *contact_s = self.left_s[*event] - self.events_s[*event];
         }
         // What is in a hand is there for another time.
         segment::grip(self.scene, &mut sketch).ok()?;

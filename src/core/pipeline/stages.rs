@@ -43,6 +43,7 @@ pub(super) fn cut(
         rounds += segment::refine(scene, sketch);
     }
     segment::regrip(scene, sketch);
+    segment::press(scene, sketch);
     segment::loosen(scene, sketch);
     segment::hold(scene, sketch)?;
     let segments = segment::cut(scene, sketch)?;

@@ -470,6 +470,7 @@ fn sketch(
         tracks,
         marks_s: stamps.iter().map(|stamp| seconds(*stamp, origin)).collect(),
         marks: vec![None; stamps.len()],
+        contacts_s: BTreeMap::new(),
     }
 }
 

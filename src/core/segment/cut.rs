@@ -125,7 +125,7 @@ fn between(
         samples.partition_point(|sample| sample.acted_s <= until_s)
     };
     let first = start.map_or(0, |event| {
-        let from_s = marks_s[event] + window_s(event);
+        let from_s = sketch.left_s(event) + window_s(event);
         let begun = samples.partition_point(|sample| sample.acted_s < from_s);
         // A sample at the mark belongs to the flight that ends there, if one does.
         match scene.events[event].kind {

@@ -7,7 +7,7 @@
 //! readings arrived. Where marks are absent, [`propose()`] finds collisions in the stream,
 //! in a whole toss (`toss`) where a flight ends.
 //! [`refine()`] moves each mark to the kink of the motion near it, [`relocate_marks()`] moves marks
-//! that are far from any kink, [`regrip()`] those at which a hand lets go of something, and [`cut()`] makes the segments.
+//! that are far from any kink, [`regrip()`] those at which a hand lets go of something, [`press()`] those of contacts that last, and [`cut()`] makes the segments.
 //! [`hold()`] smooths the streams of bodies in the hand, which have no flights.
 
 pub mod clean;
@@ -19,6 +19,7 @@ pub mod hold;
 mod marks;
 mod outliers;
 mod prefix;
+mod press;
 pub mod propose;
 mod reading;
 pub mod refine;
@@ -32,6 +33,7 @@ mod units;
 pub use cut::cut;
 pub use error::SegmentError;
 pub use hold::{grip, hold};
+pub use press::press;
 pub use propose::{Proposal, ends_of_motion_s, propose};
 pub use refine::{loosen, refine};
 pub use regrip::regrip;

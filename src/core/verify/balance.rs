@@ -47,14 +47,14 @@ pub(super) fn balance(world: &World) -> Balance {
         };
         let side = |link: LinkIndex| {
             let link = &world.links[link];
-            let arcs = [
-                link.ending_at(event.time_s)?,
-                link.starting_at(event.time_s)?,
+            let sides = [
+                (link.ending_at(event.time_s)?, event.time_s),
+                (link.starting_at(event.left_s())?, event.left_s()),
             ];
             Some(BeforeAfter {
                 body: &link.of_scene.body,
                 is_held: link.held.is_some(),
-                states: arcs.map(|arc| link.state(arc, event.time_s)),
+                states: sides.map(|(arc, time_s)| link.state(arc, time_s)),
             })
         };
         let links = [law.link].into_iter().chain(law.other);

@@ -1,6 +1,6 @@
 //! The law of impact at a collision, with the estimated parameters.
 
-use crate::motion::{Estimate, LinkIndex, Partner, Quantity, Scene};
+use crate::motion::{Estimate, LinkIndex, Partner, Scene};
 use crate::physics::State;
 use crate::physics::impact::{self, ContactSet, Impact, Side, Velocities};
 
@@ -19,23 +19,10 @@ impl<'a> CheckedLaw<'a> {
     pub(super) fn new(scene: &'a Scene, estimate: &Estimate, event: usize) -> Option<Self> {
         let collision = scene.events[event].kind.collision()?;
         let contacts = scene.contact_set(event).ok()??;
-        let (law, given) = (collision.law, scene.law_of(collision));
-        let value = |quantity: Quantity| {
-            let free = scene.parameters.iter().find(|p| p.quantity == quantity)?;
-            let found = estimate.parameters.iter().find(|p| p.name == free.name)?;
-            Some(found.value)
-        };
-        let tilt = |tangent| {
-            value(Quantity::Tilt { event, tangent }).unwrap_or(collision.tilt_rad[tangent])
-        };
         Some(Self {
             scene,
             contacts,
-            law: impact::Law {
-                restitution: value(Quantity::Restitution { law }).unwrap_or(given.restitution),
-                friction: value(Quantity::Friction { law }).unwrap_or(given.friction),
-                tilt_rad: [tilt(0), tilt(1)],
-            },
+            law: scene.law_estimated(estimate, event)?,
             link: collision.link,
             other: match collision.partner {
                 Partner::World => None,

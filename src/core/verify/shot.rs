@@ -12,6 +12,7 @@ use super::law::CheckedLaw;
 use super::meeting::World;
 use super::{series, tied};
 use crate::motion::{Deviation, EventEstimate, LinkIndex, SingleShot};
+use crate::physics::impact::Velocities;
 use crate::physics::{State, Support};
 
 /// Velocity gaps above these are violations of the law, not rounding.
@@ -102,11 +103,11 @@ impl FreeShot<'_> {
         let is_bent = gap.velocity_m_s > GAP_M_S || gap.angular_velocity_rad_s > GAP_RAD_S;
         let after = law
             .filter(|_| offset_s.is_some() && !is_bent)
-            .and_then(|law| self.bounce(&law));
+            .and_then(|law| self.bounce(&law, event));
         if after.is_none() {
             self.result.restarts.push(event.event);
             for link in links {
-                self.restart(link, event.time_s);
+                self.restart(link, event.left_s());
             }
         }
     }
@@ -135,8 +136,9 @@ impl FreeShot<'_> {
         }
     }
 
-    /// Changes the velocities of the bodies that collide; `None` where the impact is undetermined.
-    fn bounce(&mut self, law: &CheckedLaw) -> Option<()> {
+    /// Changes the velocities of the bodies that collide, and presses them as long as their contact lasts; `None` where the
+    /// impact is undetermined.
+    fn bounce(&mut self, law: &CheckedLaw, event: &EventEstimate) -> Option<()> {
         let state = |link: LinkIndex| Some(self.flights[link]?.state);
         let other = match law.other {
             None => None,
@@ -145,8 +147,16 @@ impl FreeShot<'_> {
         let (after_of_link, after_of_other) = law.after(&state(law.link)?, other.as_ref())?;
         let others = law.other.zip(after_of_other);
         for (link, after) in [(law.link, after_of_link)].into_iter().chain(others) {
+            let World { scene, estimate, .. } = self.world;
+            let pressed = scene.pressed(estimate, event, link);
             if let Some(flight) = &mut self.flights[link] {
-                flight.state = after;
+                flight.state = match pressed {
+                    None => after,
+                    Some(pressed) => {
+                        flight.time_s += pressed.duration_s;
+                        pressed.state(&flight.state, &Velocities::of(&after), pressed.duration_s)
+                    }
+                };
             }
         }
         Some(())

@@ -70,6 +70,7 @@ fn arc(mechanism: MechanismIndex, state: State, start_s: f64, end_s: f64) -> Arc
 
 fn estimate(scene: &Scene, arcs: Vec<ArcEstimate>, events_s: &[f64]) -> Estimate {
     let event = |(event, time_s): (usize, &f64)| EventEstimate {
+        contact_s: 0.0,
         event,
         time_s: *time_s,
         sd_s: None,

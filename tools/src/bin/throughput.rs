@@ -131,6 +131,7 @@ fn process(input: &Path, output: &Path) -> Result<u64> {
         origin: Stamp(1_700_000_000_000_000_000),
         tracks: TiVec::new(),
         marks_s: Vec::new(),
+        contacts_s: Default::default(),
         marks: Vec::new(),
     };
     let written = write_estimate(

@@ -72,6 +72,7 @@ impl Performance {
         Sketch {
             origin,
             tracks,
+            contacts_s: Default::default(),
             marks: vec![None; marks_s.len()],
             marks_s,
         }

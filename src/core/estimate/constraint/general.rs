@@ -88,14 +88,16 @@ pub(super) fn fill(
     let (problem, parameters) = (at.problem, &at.point.parameters);
     let places = Places::new(problem, collision);
     let time_s = at.point.event_times_s[collision.event];
-    let arrive = |arc: usize| GeneralArrival::new(problem, at.point, arc, at.epochs_s[arc], time_s);
+    let arrive = |arc: usize, time_s: f64| {
+        GeneralArrival::new(problem, at.point, arc, at.epochs_s[arc], time_s)
+    };
     let held = collision
         .held
         .map(|held| GeneralArrival::given(&at.point.held[held]));
     let before: Vec<GeneralArrival> = collision
         .sides
         .iter()
-        .map(|side| arrive(side.before))
+        .map(|side| arrive(side.before, time_s))
         .chain(held.map(Some))
         .collect::<Option<_>>()?;
     let by_state: Vec<ByStates> = before.iter().map(GeneralArrival::by_state).collect();
@@ -119,7 +121,7 @@ pub(super) fn fill(
     let is_of_model = |acting: &Acting| {
         !matches!(
             acting.influence,
-            Influence::Pull(_) | Influence::SupportFriction
+            Influence::Pull(_) | Influence::SupportFriction | Influence::ContactDuration
         )
     };
     let own: Vec<OfModel> = if collision.acting.iter().any(is_of_model) {
@@ -184,12 +186,20 @@ pub(super) fn fill(
     }
 
     // Continuity.
+    let left_s = time_s + collision.contact_s(parameters);
     for (index, side) in collision.sides.iter().enumerate() {
-        let after = arrive(side.after)?;
-        let bounced = State {
-            velocity_m_s: impact.after[index].velocity_m_s,
-            angular_velocity_rad_s: impact.after[index].angular_velocity_rad_s,
-            ..before[index].end.state
+        let after = arrive(side.after, left_s)?;
+        let gravity_m_s2 = problem.gravity(parameters);
+        let pressed = collision.pressed(&bodies[index], &gravity_m_s2, parameters);
+        let touching = &before[index].end.state;
+        let left = pressed.map(|of| of.left(touching, &impact.after[index]));
+        let bounced = match &left {
+            Some(left) => left.state,
+            None => State {
+                velocity_m_s: impact.after[index].velocity_m_s,
+                angular_velocity_rad_s: impact.after[index].angular_velocity_rad_s,
+                ..*touching
+            },
         };
         let gap = after.end.state.minus(&bounced);
         let turn: Vector3<f64> = gap.fixed_rows::<3>(part::ORIENTATION).into();
@@ -198,8 +208,21 @@ pub(super) fn fill(
         by_after
             .fixed_view_mut::<3, 3>(part::ORIENTATION, part::ORIENTATION)
             .copy_from(&right);
+        let by_bounced = {
+            let mut by = ByStates::identity();
+            by.fixed_view_mut::<3, 3>(part::ORIENTATION, part::ORIENTATION)
+                .copy_from(&right.transpose());
+            by
+        };
         let by_before: Vec<ByStates> = (0..before.len())
             .map(|other| {
+                if let Some(left) = &left {
+                    let mut by = left.by_after * derivative.after[index][other];
+                    if other == index {
+                        by += left.by_touching;
+                    }
+                    return -(by_bounced * by);
+                }
                 let mut by = ByStates::zeros();
                 if other == index {
                     by.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();
@@ -225,16 +248,25 @@ pub(super) fn fill(
         }
         let chained: ByStates = by_after * after.by_state();
         columns.extend(chained.column_iter().map(|column| column.into_owned()));
-        let velocities = |by: SMatrix<f64, 6, 1>| {
-            let mut column = StateTangent::zeros();
-            column.fixed_rows_mut::<6>(part::VELOCITY).copy_from(&-by);
-            column
+        // What changes the velocities after the impact.
+        let velocities = |by: SMatrix<f64, 6, 1>| match &left {
+            Some(left) => -(by_bounced * (left.by_after * by)),
+            None => {
+                let mut column = StateTangent::zeros();
+                column.fixed_rows_mut::<6>(part::VELOCITY).copy_from(&-by);
+                column
+            }
         };
+        let by_restitution = left.as_ref().map_or_else(StateTangent::zeros, |left| {
+            -(by_bounced * left.by_restitution)
+        });
         let restitution = collision.restitution_parameter;
         let friction = collision
             .friction_parameter
             .filter(|of| !acts_too(collision, *of));
-        columns.extend(restitution.map(|_| velocities(derivative.after_by_restitution[index])));
+        columns.extend(restitution.map(|_| {
+            velocities(derivative.after_by_restitution[index]) + by_restitution
+        }));
         columns.extend(friction.map(|_| velocities(derivative.after_by_friction[index])));
         columns.extend(collision.tilts.iter().map(|(tangent, _)| {
             velocities(derivative.after_by_tilt[index].column(*tangent).into())
@@ -250,10 +282,21 @@ pub(super) fn fill(
                     column += by * arrival.by_acting(acting, value);
                 }
             }
-            let mut velocities = column.fixed_rows_mut::<6>(part::VELOCITY);
-            velocities -= own.after[index];
+            column += velocities(own.after[index]);
             if collision.friction_parameter == Some(acting.parameter) {
-                velocities -= derivative.after_by_friction[index];
+                column += velocities(derivative.after_by_friction[index]);
+            }
+            if let (Some(left), Some(pressed)) = (&left, &pressed) {
+                match acting.influence {
+                    Influence::ContactDuration => {
+                        column += by_after * after.end.rate - by_bounced * left.by_duration;
+                    }
+                    Influence::Pull(axis) if acts(acting, index) => {
+                        let along = collision.unborne(&Vector3::ith(axis, 1.0));
+                        column -= by_bounced * pressed.left_by_pull(&along);
+                    }
+                    _ => {}
+                }
             }
             column
         }));

@@ -135,6 +135,7 @@ mod tests {
                 .into_iter()
                 .collect(),
             marks_s: vec![0.41],
+            contacts_s: Default::default(),
             marks: vec![None],
         };
         let segment = |samples| Segment {

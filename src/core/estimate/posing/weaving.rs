@@ -29,7 +29,7 @@ impl Problem {
         let mut roles = self.roles.iter();
         let by_track = roles.any(|role| matches!(role.influence, Influence::ClockOffset));
         for (index, arc) in self.arcs.iter().enumerate() {
-            let counted_s = self.counted_s(arc, &at.event_times_s);
+            let counted_s = self.counted_s(arc, at);
             for (view, of) in arc.views.iter().enumerate() {
                 let is_of = |hand: &WovenHand| {
                     let mut units = hand.units.iter().zip(&of.units);
@@ -191,7 +191,8 @@ impl Problem {
     }
 
     /// Between which physical times samples of a flight count \[s\].
-    fn counted_s(&self, arc: &Arc, event_times_s: &[f64]) -> [f64; 2] {
+    fn counted_s(&self, arc: &Arc, at: &Point) -> [f64; 2] {
+        let event_times_s = &at.event_times_s;
         let time_s = |event: Option<usize>| event.map(|event| event_times_s[event]);
         let (start_s, end_s) = (time_s(arc.start), time_s(arc.end));
         let kink_s = kink_s(length_s(arc, event_times_s));
@@ -199,7 +200,9 @@ impl Problem {
             let mut collisions = self.collisions.iter();
             event.is_some() && collisions.any(|of| Some(of.event) == event)
         };
-        let from_s = start_s.filter(|_| is_kink(arc.start));
+        let pressed_s = self.collisions.iter().find(|of| Some(of.event) == arc.start);
+        let pressed_s = pressed_s.map_or(0.0, |of| of.contact_s(&at.parameters));
+        let from_s = start_s.filter(|_| is_kink(arc.start)).map(|from_s| from_s + pressed_s);
         let to_s = end_s.filter(|_| is_kink(arc.end));
         [
             from_s.map_or(f64::NEG_INFINITY, |from_s| from_s + kink_s),

@@ -30,7 +30,7 @@ pub enum Influence {
     ClockOffset,
     /// What is added to the stamp of one sample.
     SampleTime,
-    /// By how much later than its impact a flight begins.
+    /// How long a contact lasts.
     ContactDuration,
     /// The friction of what supports a body.
     SupportFriction,
@@ -67,8 +67,8 @@ pub enum Owner {
     Sample(TrackIndex, usize),
     /// A surface (index into `Scene::surfaces`).
     Surface(usize),
-    /// What takes part in a collision, from then on (index into `Scene::events`).
-    After(usize),
+    /// A collision (index into `Scene::events`).
+    Contact(usize),
 }
 
 /// A parameter with what it acts on and how.
@@ -171,7 +171,7 @@ impl Role {
                 Owner::Track(track) | Owner::Flight(track, _) | Owner::Sample(track, _) => {
                     Some(track)
                 }
-                Owner::Link(..) | Owner::Surface(_) | Owner::After(_) => None,
+                Owner::Link(..) | Owner::Surface(_) | Owner::Contact(_) => None,
             },
         }
     }
@@ -198,7 +198,7 @@ impl Role {
                 | Quantity::ClockOffset { track } => Owner::Track(track),
                 Quantity::FlightClock { track, flight } => Owner::Flight(track, flight),
                 Quantity::SampleTime { track, sample } => Owner::Sample(track, sample),
-                Quantity::ContactDuration { event } => Owner::After(event),
+                Quantity::ContactDuration { event } => Owner::Contact(event),
                 Quantity::SurfaceHeight { surface } | Quantity::SurfaceTilt { surface, .. } => {
                     Owner::Surface(surface)
                 }

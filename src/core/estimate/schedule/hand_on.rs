@@ -21,7 +21,9 @@ pub fn hand_on(problem: &Problem, epochs_s: &[f64], point: &mut Point) {
         {
             for (side, state) in collision.sides.iter().zip(after) {
                 if few(side.after) {
-                    let since_s = epochs_s[side.after] - point.event_times_s[collision.event];
+                    let left_s = collision.contact_s(&point.parameters)
+                        + point.event_times_s[collision.event];
+                    let since_s = epochs_s[side.after] - left_s;
                     let gravity = problem.gravity(&point.parameters);
                     let body = problem.body_of(side.after);
                     point.arcs[side.after] = flow::advance(body, &gravity, &state, since_s);
@@ -63,11 +65,10 @@ fn after(
     let approaches = impact.speeds_m_s[..contacts]
         .iter()
         .all(|speed| *speed < 0.0);
-    let states = before.iter().zip(&impact.after);
-    let states = states.map(|(before, after)| State {
-        velocity_m_s: after.velocity_m_s,
-        angular_velocity_rad_s: after.angular_velocity_rad_s,
-        ..*before
+    let states = before.iter().zip(&impact.after).enumerate();
+    let states = states.map(|(side, (before, after))| {
+        let body = collision.sides.get(side).map_or(&Body::IMMOVABLE, |side| problem.body_of(side.before));
+        collision.left(body, &gravity, &point.parameters, before, after)
     });
     approaches.then(|| states.collect())
 }

@@ -49,13 +49,10 @@ pub(in crate::estimate) fn simulate(
         point.event_times_s[of.event] = time_s;
         problem.hold(&mut point, Some(of.event));
         for ((side, before), after) in of.sides.iter().zip(&before).zip(&impact.after) {
-            let state = State {
-                velocity_m_s: after.velocity_m_s,
-                angular_velocity_rad_s: after.angular_velocity_rad_s,
-                ..*before
-            };
             let body = problem.body_of(side.after);
-            let since_s = epochs_s[side.after] - time_s;
+            let state = of.left(body, &gravity, &point.parameters, before, after);
+            let left_s = time_s + of.contact_s(&point.parameters);
+            let since_s = epochs_s[side.after] - left_s;
             point.arcs[side.after] = flow::advance(body, &gravity, &state, since_s);
         }
     }

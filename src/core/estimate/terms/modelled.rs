@@ -103,7 +103,6 @@ impl Problem {
                 Influence::TrackerOrientation(axis) => turn[axis] += value,
                 Influence::ClockRate => rate = value,
                 Influence::ClockOffset => offset_s += value,
-                Influence::ContactDuration => offset_s -= value,
                 _ => {}
             }
         }

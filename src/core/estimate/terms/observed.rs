@@ -387,12 +387,14 @@ impl<'a> SampleObserver<'a> {
                 }
                 Influence::ClockRate => by_time.map(|by| by * (stamped_s - zero_s)),
                 Influence::ClockOffset => by_time,
-                Influence::ContactDuration => by_time.map(|by| -by),
                 Influence::SampleTime if of.open == Some(acting.parameter) => {
                     by_time.map(|by| by * (1.0 + self.mount.rate))
                 }
                 Influence::SampleTime => [0.0; 6],
-                Influence::Mass | Influence::SurfaceHeight | Influence::SurfaceTilt(_) => [0.0; 6],
+                Influence::Mass
+                | Influence::SurfaceHeight
+                | Influence::SurfaceTilt(_)
+                | Influence::ContactDuration => [0.0; 6],
             }
         });
         memory.clear();

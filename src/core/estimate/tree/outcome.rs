@@ -216,6 +216,7 @@ fn of_event(
         None => line.moment(problem, acted_s),
     };
     EventEstimate {
+        contact_s: 0.0,
         event,
         time_s,
         sd_s: (!is_fixed).then(|| sd_of(moment())).flatten(),

@@ -196,6 +196,10 @@ impl Scene {
             let mut events = estimate.events.iter();
             Some(events.find(|of| of.event == event)?.time_s)
         };
+        let left_of = |event: usize| {
+            let mut events = estimate.events.iter();
+            Some(events.find(|of| of.event == event)?.left_s())
+        };
         let time_s = time_of(goal.event)?;
         if matches!(condition.quantity, GoalQuantity::Angles { .. }) {
             let mechanism = self.mechanism_of(goal.link);
@@ -235,7 +239,7 @@ impl Scene {
                 let mut arcs = arcs.clone();
                 match before {
                     Some(event) => {
-                        let start_s = time_of(event)?;
+                        let start_s = left_of(event)?;
                         arcs.find(|arc| arc.start_s == start_s)
                     }
                     None => arcs.next(),

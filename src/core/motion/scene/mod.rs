@@ -20,6 +20,7 @@ mod link;
 mod parameter;
 mod phase;
 mod phases;
+mod pressed;
 mod quantity;
 mod reach;
 mod rest;

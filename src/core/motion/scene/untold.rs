@@ -3,6 +3,7 @@
 
 use thiserror::Error;
 
+use super::condition::{Condition, Moment};
 use super::event::{Collision, EventKind, Partner};
 use super::goal::GoalTarget;
 use super::quantity::Quantity;
@@ -44,6 +45,9 @@ pub enum Untold {
     /// The tracker of a body in the hand that nothing hits.
     #[error("nothing hits this held body, so that nothing tells of its tracker")]
     HeldApart,
+    /// The duration of a contact after which something else begins at once.
+    #[error("a phase or a goal begins right after this collision: its contact is one moment")]
+    OneMoment,
     /// What phases hold fixed.
     #[error("phases are on surfaces and of bodies as the scene gives them")]
     InPhase,
@@ -96,6 +100,11 @@ impl Scene {
         if let Some(why) = self.held_untold(quantity) {
             return Some(why);
         }
+        if let Quantity::ContactDuration { event } = quantity
+            && self.goes_on_at(event)
+        {
+            return Some(Untold::OneMoment);
+        }
         if self.is_in_phase(quantity) {
             return Some(Untold::InPhase);
         }
@@ -144,6 +153,15 @@ impl Scene {
             | Quantity::JointPlace { .. }
             | Quantity::JointTurn { .. } => None,
         }
+    }
+
+    /// Whether a phase, or a goal of what is after it, begins at an event.
+    fn goes_on_at(&self, event: usize) -> bool {
+        let mut phases = self.phases.iter();
+        let mut goals = self.goals.iter().filter(|goal| goal.event == event);
+        let is_after = |condition: &Condition| condition.moment == Moment::After;
+        phases.any(|phase| phase.events.contains(&event))
+            || goals.any(|goal| goal.target.conditions().iter().any(is_after))
     }
 
     /// Why no performance can tell a quantity of a body that is held or apart.

@@ -6,6 +6,8 @@
 //! Derivatives by the states and by the law are in [`ImpactDerivative`], those by masses, moments and
 //! the places of features in [`ImpactByModel`].
 //!
+//! A contact may last for a while ([`Pressed`]).
+//!
 //! The law at one contact is the algebraic one of Chatterjee and Ruina ([`Law`]); that of a flat landing is in
 //! `landing`.
 
@@ -21,6 +23,7 @@ mod law;
 mod model;
 mod newton;
 mod plane;
+mod pressed;
 mod rows;
 mod solution;
 
@@ -29,6 +32,7 @@ pub use derivative::ImpactDerivative;
 pub use error::{ContactSetError, ImpactError};
 pub use law::{Impact, Law, Side, Velocities};
 pub use model::ImpactByModel;
+pub use pressed::{Pressed, PressedOn};
 
 pub(crate) use contact_state::tilted;
 pub(crate) use coulomb::{Coulomb, CoulombChange};

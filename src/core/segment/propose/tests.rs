@@ -69,6 +69,7 @@ fn sketch(samples: Vec<Sample>, bounces: usize) -> Sketch {
         origin: Stamp(0),
         tracks: [TrackSketch::new(samples)].into_iter().collect(),
         marks_s: vec![0.0; bounces],
+        contacts_s: Default::default(),
         marks: vec![None; bounces],
     }
 }

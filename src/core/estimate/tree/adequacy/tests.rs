@@ -107,6 +107,7 @@ fn sketch(scene: &Scene) -> Sketch {
     Sketch {
         origin: Stamp(0),
         tracks: scene.tracks.iter().map(|_| track.clone()).collect(),
+        contacts_s: Default::default(),
         marks: marks_s.iter().map(|mark_s| mark(*mark_s)).collect(),
         marks_s,
     }
