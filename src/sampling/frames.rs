@@ -8,8 +8,8 @@ use super::error::SamplingError;
 use crate::math::Pose;
 use crate::motion::held::{GripEstimate, HeldEstimate};
 use crate::motion::{
-    ArcEstimate, Estimate, EventEstimate, JointTree, LinkIndex, MechanismIndex, PoseSample, Scene, Seen, Settled,
-    Sketch, Stamp,
+    ArcEstimate, Estimate, EventEstimate, JointTree, LinkIndex, MechanismIndex, PoseSample, Scene,
+    Seen, Settled, Sketch, Stamp,
 };
 use crate::physics::State;
 use crate::physics::flow::{Fall, Spin, Supported};

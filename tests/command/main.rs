@@ -6,6 +6,7 @@ mod golden;
 mod hands;
 mod inputs;
 mod landings;
+mod lasting;
 mod phases;
 mod pivots;
 #[path = "../support/program.rs"]

@@ -284,9 +284,17 @@ impl ArcCollision {
     }
 
     /// How a body is pressed whose contact lasts; `None` of one moment.
-    pub fn pressed(&self, body: &Body, gravity_m_s2: &Vector3<f64>, parameters: &[f64]) -> Option<Pressed> {
+    pub fn pressed(
+        &self,
+        body: &Body,
+        gravity_m_s2: &Vector3<f64>,
+        parameters: &[f64],
+    ) -> Option<Pressed> {
         let duration_s = self.contact_s(parameters);
-        let lasts = self.acting.iter().any(|acting| acting.influence == Influence::ContactDuration);
+        let lasts = self
+            .acting
+            .iter()
+            .any(|acting| acting.influence == Influence::ContactDuration);
         lasts.then(|| Pressed {
             duration_s,
             restitution: self.law(parameters).restitution,
@@ -715,7 +723,9 @@ impl Problem {
     pub fn pressed_before_s(&self, arc: usize, parameters: &[f64]) -> f64 {
         let mut collisions = self.collisions.iter();
         let begins = |of: &&ArcCollision| of.sides.iter().any(|side| side.after == arc);
-        collisions.find(begins).map_or(0.0, |of| of.contact_s(parameters))
+        collisions
+            .find(begins)
+            .map_or(0.0, |of| of.contact_s(parameters))
     }
 
     /// Components of gravity that are free.

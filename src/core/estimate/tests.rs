@@ -269,6 +269,7 @@ fn modelled(mut scene: Scene) -> Scene {
         for (sample, added_s) in open {
             add(Quantity::SampleTime { track, sample }, added_s);
         }
+        add(Quantity::ContactDuration { event: 0 }, 0.03);
     }
     add(Quantity::SurfaceHeight { surface: 0 }, 0.003);
     add(

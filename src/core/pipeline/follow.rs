@@ -132,7 +132,10 @@ impl<'a> Acted<'a> {
         let samples = self.sketch.samples_of(view);
         let begin = segment.start_event.map(|event| self.begins_s(event));
         let end = segment.end_event.map(|event| self.events_s[event]);
-        let (from_s, to_s) = (begin.unwrap_or(f64::NEG_INFINITY), end.unwrap_or(f64::INFINITY));
+        let (from_s, to_s) = (
+            begin.unwrap_or(f64::NEG_INFINITY),
+            end.unwrap_or(f64::INFINITY),
+        );
         let first = samples.partition_point(|sample| sample.acted_s < from_s);
         let last = samples.partition_point(|sample| sample.acted_s <= to_s);
         let begin = view.samples.start;

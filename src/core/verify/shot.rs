@@ -147,7 +147,9 @@ impl FreeShot<'_> {
         let (after_of_link, after_of_other) = law.after(&state(law.link)?, other.as_ref())?;
         let others = law.other.zip(after_of_other);
         for (link, after) in [(law.link, after_of_link)].into_iter().chain(others) {
-            let World { scene, estimate, .. } = self.world;
+            let World {
+                scene, estimate, ..
+            } = self.world;
             let pressed = scene.pressed(estimate, event, link);
             if let Some(flight) = &mut self.flights[link] {
                 flight.state = match pressed {

@@ -264,9 +264,10 @@ pub(super) fn fill(
         let friction = collision
             .friction_parameter
             .filter(|of| !acts_too(collision, *of));
-        columns.extend(restitution.map(|_| {
-            velocities(derivative.after_by_restitution[index]) + by_restitution
-        }));
+        columns.extend(
+            restitution
+                .map(|_| velocities(derivative.after_by_restitution[index]) + by_restitution),
+        );
         columns.extend(friction.map(|_| velocities(derivative.after_by_friction[index])));
         columns.extend(collision.tilts.iter().map(|(tangent, _)| {
             velocities(derivative.after_by_tilt[index].column(*tangent).into())

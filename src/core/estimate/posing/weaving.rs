@@ -200,9 +200,14 @@ impl Problem {
             let mut collisions = self.collisions.iter();
             event.is_some() && collisions.any(|of| Some(of.event) == event)
         };
-        let pressed_s = self.collisions.iter().find(|of| Some(of.event) == arc.start);
+        let pressed_s = self
+            .collisions
+            .iter()
+            .find(|of| Some(of.event) == arc.start);
         let pressed_s = pressed_s.map_or(0.0, |of| of.contact_s(&at.parameters));
-        let from_s = start_s.filter(|_| is_kink(arc.start)).map(|from_s| from_s + pressed_s);
+        let from_s = start_s
+            .filter(|_| is_kink(arc.start))
+            .map(|from_s| from_s + pressed_s);
         let to_s = end_s.filter(|_| is_kink(arc.end));
         [
             from_s.map_or(f64::NEG_INFINITY, |from_s| from_s + kink_s),

@@ -67,7 +67,10 @@ fn after(
         .all(|speed| *speed < 0.0);
     let states = before.iter().zip(&impact.after).enumerate();
     let states = states.map(|(side, (before, after))| {
-        let body = collision.sides.get(side).map_or(&Body::IMMOVABLE, |side| problem.body_of(side.before));
+        let body = collision
+            .sides
+            .get(side)
+            .map_or(&Body::IMMOVABLE, |side| problem.body_of(side.before));
         collision.left(body, &gravity, &point.parameters, before, after)
     });
     approaches.then(|| states.collect())

@@ -73,7 +73,8 @@ impl Pressed {
                 + v * since_s
                 + changed_m_s * share_s
                 + pull * (0.5 * since_s * since_s),
-            orientation: touching.orientation * so3::exp(&(omega * since_s + turned_rad_s * share_s)),
+            orientation: touching.orientation
+                * so3::exp(&(omega * since_s + turned_rad_s * share_s)),
             velocity_m_s: v + changed_m_s * share + pull * since_s,
             angular_velocity_rad_s: omega + turned_rad_s * share,
         }
@@ -117,7 +118,10 @@ impl Pressed {
             .copy_from(&so3::matrix(&turn.inverse()));
         for axis in 0..3 {
             let along = Vector3::ith(axis, duration_s);
-            let (velocity, spin) = (moved(along, Vector3::zeros()), moved(Vector3::zeros(), along));
+            let (velocity, spin) = (
+                moved(along, Vector3::zeros()),
+                moved(Vector3::zeros(), along),
+            );
             by_after.set_column(axis, &(velocity * share));
             by_after.set_column(3 + axis, &(spin * share));
             let (at, about) = (part::VELOCITY + axis, part::ANGULAR_VELOCITY + axis);
@@ -213,8 +217,8 @@ mod tests {
     fn it_moves_as_its_velocities_say() {
         let (pressed, touching, after) = (pressed(), touching(), after());
         for since_s in [0.003, 0.02, 0.037] {
-            let [before, now, later] = [-1e-6, 0.0, 1e-6]
-                .map(|off_s| pressed.state(&touching, &after, since_s + off_s));
+            let [before, now, later] =
+                [-1e-6, 0.0, 1e-6].map(|off_s| pressed.state(&touching, &after, since_s + off_s));
             let slope = (later.position_m - before.position_m) / 2e-6;
             assert!((slope - now.velocity_m_s).norm() < 1e-6, "{since_s}");
         }
@@ -225,15 +229,16 @@ mod tests {
         let (pressed, touching, after) = (pressed(), touching(), after());
         let left = pressed.left(&touching, &after);
         const STEP: f64 = 1e-6;
-        let slope = |state: &dyn Fn(f64) -> State| {
-            state(STEP).minus(&state(-STEP)) / (2.0 * STEP)
-        };
+        let slope = |state: &dyn Fn(f64) -> State| state(STEP).minus(&state(-STEP)) / (2.0 * STEP);
         for entry in 0..12 {
             let by = slope(&|step| {
                 let moved = touching.retract(&StateTangent::ith(entry, step));
                 pressed.left(&moved, &after).state
             });
-            assert!((by - left.by_touching.column(entry)).norm() < 1e-8, "{entry}");
+            assert!(
+                (by - left.by_touching.column(entry)).norm() < 1e-8,
+                "{entry}"
+            );
         }
         for entry in 0..6 {
             let by = slope(&|step| {
