@@ -44,6 +44,7 @@ mod options;
 mod page;
 mod parts;
 mod peers;
+mod phases;
 mod posing;
 mod record;
 mod rest;
@@ -121,6 +122,11 @@ const SUBJECTS: &[Subject] = &[
         "scenes",
         "right performances of scenes drawn at random",
         scenes::run
+    ),
+    subject!(
+        "phases",
+        "slides, rolls, rests, hands and contacts that last",
+        phases::run
     ),
     subject!("peers", "general solvers on the same problems", peers::run),
     subject!(
