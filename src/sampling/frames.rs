@@ -355,14 +355,12 @@ fn pressed<'a>(
     let before = arcs.clone().find(|arc| arc.end_s == event.time_s)?;
     let after = arcs.find(|arc| arc.start_s == event.left_s())?;
     let gravity_m_s2 = &estimate.gravity_m_s2;
+    let touching = scene.flown(before, gravity_m_s2, event.time_s);
     let left = scene.flown(after, gravity_m_s2, event.left_s());
     Some(FramedPiece::Pressed(Box::new(PressedPiece {
         touch_s: event.time_s,
-        touching: scene.flown(before, gravity_m_s2, event.time_s),
-        after: Velocities {
-            velocity_m_s: left.velocity_m_s - pressed.pull_m_s2 * pressed.duration_s,
-            ..Velocities::of(&left)
-        },
+        touching,
+        after: pressed.after(&touching, &left),
         pressed,
     })))
 }

@@ -98,7 +98,7 @@ fn how_long_a_contact_lasts_and_its_restitution_are_told() {
     for seed in 0..10 {
         let mut random = ChaCha8Rng::seed_from_u64(9900 + seed);
         let contact_s = random.random_range(0.004_f64.ln()..0.15_f64.ln()).exp();
-        let friction = random.random_range(0.02..0.1);
+        let friction = random.random_range(0.005..0.03);
         let damping = random.random_range(0.02..0.15);
         let made = bounced(contact_s, damping, friction, &mut random);
         let off_s = random.random_range(-0.02..0.02);
@@ -145,10 +145,10 @@ fn a_contact_of_one_moment_is_told_as_such() {
     let folder = tempfile::tempdir().expect("a folder");
     for seed in 0..3 {
         let mut random = ChaCha8Rng::seed_from_u64(9950 + seed);
-        let made = bounced(0.0004, 0.05, 0.1, &mut random);
+        let made = bounced(0.0004, 0.05, 0.02, &mut random);
         let end_s = made.second_s - 0.01;
         let marks = [(0.0, "go"), (made.touch_s, "hit"), (end_s, "end")];
-        let said = replayed(folder.path(), &scene(0.1, LASTS), &made.csv, &marks);
+        let said = replayed(folder.path(), &scene(0.02, LASTS), &made.csv, &marks);
         assert_eq!(said["verdict"], "physical", "{said}");
         let lasts_s = said["parameters"]["hit.contact_duration"]["value"].as_f64();
         assert!(lasts_s.is_some_and(|lasts_s| lasts_s < 0.001), "{said}");
@@ -159,10 +159,10 @@ fn a_contact_of_one_moment_is_told_as_such() {
 fn a_contact_that_lasts_is_suspected_before_what_it_looks_like() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut random = ChaCha8Rng::seed_from_u64(9960);
-    let made = bounced(0.03, 0.1, 0.05, &mut random);
+    let made = bounced(0.03, 0.1, 0.02, &mut random);
     let end_s = made.second_s - 0.01;
     let marks = [(0.0, "go"), (made.touch_s, "hit"), (end_s, "end")];
-    let said = replayed(folder.path(), &scene(0.05, ""), &made.csv, &marks);
+    let said = replayed(folder.path(), &scene(0.02, ""), &made.csv, &marks);
     assert_ne!(said["fits"], "yes", "{said}");
     let suspects = said["suspects"].as_array().expect("suspects");
     let lasting = suspects

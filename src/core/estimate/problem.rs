@@ -299,6 +299,7 @@ impl ArcCollision {
             duration_s,
             restitution: self.law(parameters).restitution,
             pull_m_s2: self.unborne(&body.pull_m_s2(gravity_m_s2)),
+            moments_kg_m2: body.moments_kg_m2(),
         })
     }
 

@@ -15,7 +15,7 @@ pub(super) fn bounced(random: &mut ChaCha8Rng) -> MadeMotion {
     let radius_m = between(random, 0.015, 0.1);
     let contact_s = between(random, 0.003, 0.1);
     let damping = random.random_range(0.02..0.15);
-    let friction = random.random_range(0.02..0.1);
+    let friction = random.random_range(0.005..0.03);
     let frequency_rad_s = PI / contact_s;
     let mut x = Vector3::new(0.1, -0.2, radius_m + random.random_range(0.3..0.8));
     let mut v = Vector3::new(

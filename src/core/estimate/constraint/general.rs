@@ -296,6 +296,13 @@ pub(super) fn fill(
                         let along = collision.unborne(&Vector3::ith(axis, 1.0));
                         column -= by_bounced * pressed.left_by_pull(&along);
                     }
+                    Influence::Moment(axes) if acts(acting, index) => {
+                        for axis in (0..3).filter(|axis| axes[*axis]) {
+                            let after = &impact.after[index];
+                            let by = pressed.left_by_log_moment(touching, after, &left.state, axis);
+                            column -= by_bounced * by / value;
+                        }
+                    }
                     _ => {}
                 }
             }

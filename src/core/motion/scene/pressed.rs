@@ -51,6 +51,7 @@ impl Scene {
             duration_s: event.contact_s,
             restitution: self.law_estimated(estimate, event.event)?.restitution,
             pull_m_s2: contacts.unborne(&pull_m_s2, on),
+            moments_kg_m2: self.links[link].body.moments_kg_m2(),
         })
     }
 }

@@ -11,14 +11,15 @@
 //! `H = ∫h = (s − z/u)/(1 + e)`, the change `Δ` by the impact and the pull `a` that the contact does not bear,
 //!
 //! ```text
-//! x = x⁻ + s v⁻ + H Δv + ½ s² a,   R = R⁻ Exp(s ω⁻ + H Δω),   v = v⁻ + h Δv + s a,   ω = ω⁻ + h Δω
+//! x = x⁻ + s v⁻ + H Δv + ½ s² a,   v = v⁻ + h Δv + s a
+//! R = R⁻ Exp(φ),   φ = s ω⁻ + H Δω,   ω = I⁻¹ Exp(−φ) I (ω⁻ + h Δω)
 //! ```
 //!
-//! At the end `H = T/(1 + e)`: the point of contact is as high as it was, and has gone on along the surface.
+//! so that angular momentum is that of the impact in axes that have turned. At the end `H = T/(1 + e)`: the point of contact is as high as it was, and has gone on along the surface.
 
 use std::f64::consts::PI;
 
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::{SMatrix, UnitQuaternion, Vector3};
 
 use super::law::Velocities;
 use crate::math::so3;
@@ -50,6 +51,8 @@ pub struct Pressed {
     pub restitution: f64,
     /// What acts on the body beside the contact, per mass [m/s²].
     pub pull_m_s2: Vector3<f64>,
+    /// The body's moments of inertia [kg m²]; only their ratios matter.
+    pub moments_kg_m2: Vector3<f64>,
 }
 
 impl Pressed {
@@ -67,94 +70,114 @@ impl Pressed {
         let (v, omega) = (touching.velocity_m_s, touching.angular_velocity_rad_s);
         let changed_m_s = after.velocity_m_s - v;
         let turned_rad_s = after.angular_velocity_rad_s - omega;
-        let pull = self.pull_m_s2;
+        let turn = so3::exp(&(omega * since_s + turned_rad_s * share_s));
         State {
             position_m: touching.position_m
                 + v * since_s
                 + changed_m_s * share_s
-                + pull * (0.5 * since_s * since_s),
-            orientation: touching.orientation
-                * so3::exp(&(omega * since_s + turned_rad_s * share_s)),
-            velocity_m_s: v + changed_m_s * share + pull * since_s,
-            angular_velocity_rad_s: omega + turned_rad_s * share,
+                + self.pull_m_s2 * (0.5 * since_s * since_s),
+            orientation: touching.orientation * turn,
+            velocity_m_s: v + changed_m_s * share + self.pull_m_s2 * since_s,
+            angular_velocity_rad_s: self.spun(&turn.inverse(), &(omega + turned_rad_s * share)),
+        }
+    }
+
+    /// A spin in axes that have turned meanwhile: angular momentum stays.
+    fn spun(&self, turned: &UnitQuaternion<f64>, spin_rad_s: &Vector3<f64>) -> Vector3<f64> {
+        let momentum = turned * self.moments_kg_m2.component_mul(spin_rad_s);
+        momentum.component_div(&self.moments_kg_m2)
+    }
+
+    /// The velocities after an impact that is one moment, from the states at the touch and where the body comes off.
+    pub fn after(&self, touching: &State, left: &State) -> Velocities {
+        let turn = touching.orientation.inverse() * left.orientation;
+        Velocities {
+            velocity_m_s: left.velocity_m_s - self.pull_m_s2 * self.duration_s,
+            angular_velocity_rad_s: self.spun(&turn, &left.angular_velocity_rad_s),
         }
     }
 
     /// The state in which the body comes off, with its derivatives.
     pub fn left(&self, touching: &State, after: &Velocities) -> LeftState {
-        let Self {
-            duration_s,
-            restitution,
-            pull_m_s2,
-        } = *self;
-        let share = 1.0 / (1.0 + restitution);
+        let (duration_s, pull_m_s2) = (self.duration_s, self.pull_m_s2);
+        let share = 1.0 / (1.0 + self.restitution);
         let (v, omega) = (touching.velocity_m_s, touching.angular_velocity_rad_s);
         let changed_m_s = after.velocity_m_s - v;
         let turned_rad_s = after.angular_velocity_rad_s - omega;
         let (mean_m_s, mean_rad_s) = (v + changed_m_s * share, omega + turned_rad_s * share);
         let (turn, right) = so3::exp_and_right_jacobian(&(mean_rad_s * duration_s));
+        let back = turn.inverse();
+        let spin_rad_s = self.spun(&back, &after.angular_velocity_rad_s);
         let state = State {
             position_m: touching.position_m
                 + mean_m_s * duration_s
                 + pull_m_s2 * (0.5 * duration_s * duration_s),
             orientation: touching.orientation * turn,
             velocity_m_s: after.velocity_m_s + pull_m_s2 * duration_s,
-            angular_velocity_rad_s: after.angular_velocity_rad_s,
+            angular_velocity_rad_s: spin_rad_s,
         };
-        let moved = |velocity: Vector3<f64>, spin: Vector3<f64>| {
-            let mut by = StateTangent::zeros();
-            by.fixed_rows_mut::<3>(part::POSITION).copy_from(&velocity);
-            by.fixed_rows_mut::<3>(part::ORIENTATION)
-                .copy_from(&(right * spin));
-            by
+        // What the way and the turn change: with the turn δ the momentum z = Exp(−φ) I ω⁺ becomes z + z × δ in these axes.
+        let momentum = self.moments_kg_m2.component_mul(&spin_rad_s);
+        let moved = |way: Vector3<f64>, turned: Vector3<f64>| {
+            let turn = right * turned;
+            let spun = momentum.cross(&turn).component_div(&self.moments_kg_m2);
+            tangent([way, turn, Vector3::zeros(), spun])
         };
-        let mut by_after = ByVelocities::zeros();
         let mut by_touching = ByStates::zeros();
-        by_touching
-            .fixed_view_mut::<3, 3>(part::POSITION, part::POSITION)
-            .fill_with_identity();
-        by_touching
-            .fixed_view_mut::<3, 3>(part::ORIENTATION, part::ORIENTATION)
-            .copy_from(&so3::matrix(&turn.inverse()));
+        let mut by_after = ByVelocities::zeros();
+        let zero = Vector3::zeros();
         for axis in 0..3 {
-            let along = Vector3::ith(axis, duration_s);
-            let (velocity, spin) = (
-                moved(along, Vector3::zeros()),
-                moved(Vector3::zeros(), along),
-            );
-            by_after.set_column(axis, &(velocity * share));
-            by_after.set_column(3 + axis, &(spin * share));
-            let (at, about) = (part::VELOCITY + axis, part::ANGULAR_VELOCITY + axis);
-            by_touching.set_column(at, &(velocity * (1.0 - share)));
-            by_touching.set_column(about, &(spin * (1.0 - share)));
+            let one = Vector3::ith(axis, 1.0);
+            by_touching.set_column(part::POSITION + axis, &tangent([one, zero, zero, zero]));
+            let turned = tangent([zero, back * one, zero, zero]);
+            by_touching.set_column(part::ORIENTATION + axis, &turned);
+            let (velocity, spin) = (moved(one * duration_s, zero), moved(zero, one * duration_s));
+            by_touching.set_column(part::VELOCITY + axis, &(velocity * (1.0 - share)));
+            by_touching.set_column(part::ANGULAR_VELOCITY + axis, &(spin * (1.0 - share)));
+            let jumped = tangent([zero, zero, one, zero]);
+            by_after.set_column(axis, &(velocity * share + jumped));
+            let spun = tangent([zero, zero, zero, self.spun(&back, &one)]);
+            by_after.set_column(3 + axis, &(spin * share + spun));
         }
-        by_after
-            .fixed_view_mut::<6, 6>(part::VELOCITY, 0)
-            .fill_with_identity();
-        let mut by_duration = moved(mean_m_s + pull_m_s2 * duration_s, mean_rad_s);
-        by_duration
-            .fixed_rows_mut::<3>(part::VELOCITY)
-            .copy_from(&pull_m_s2);
+        let pulled = tangent([pull_m_s2 * duration_s, zero, pull_m_s2, zero]);
         let less = -share * share * duration_s;
         LeftState {
             state,
             by_touching,
             by_after,
-            by_duration,
+            by_duration: moved(mean_m_s, mean_rad_s) + pulled,
             by_restitution: moved(changed_m_s * less, turned_rad_s * less),
         }
     }
 
     /// Derivative of the state in which the body comes off by a part of the pull, along `along`.
     pub fn left_by_pull(&self, along: &Vector3<f64>) -> StateTangent {
-        let mut by = StateTangent::zeros();
+        let zero = Vector3::zeros();
         let duration_s = self.duration_s;
-        by.fixed_rows_mut::<3>(part::POSITION)
-            .copy_from(&(along * (0.5 * duration_s * duration_s)));
-        by.fixed_rows_mut::<3>(part::VELOCITY)
-            .copy_from(&(along * duration_s));
-        by
+        let way = along * (0.5 * duration_s * duration_s);
+        tangent([way, zero, along * duration_s, zero])
     }
+
+    /// Derivative of the same by the logarithm of the moment about an axis, the velocities after the impact apart.
+    pub fn left_by_log_moment(
+        &self,
+        touching: &State,
+        after: &Velocities,
+        left: &State,
+        axis: usize,
+    ) -> StateTangent {
+        let back = left.orientation.inverse() * touching.orientation;
+        let spin = after.angular_velocity_rad_s[axis] * self.moments_kg_m2[axis];
+        let mut spun = (back * Vector3::ith(axis, spin)).component_div(&self.moments_kg_m2);
+        spun[axis] -= left.angular_velocity_rad_s[axis];
+        let zero = Vector3::zeros();
+        tangent([zero, zero, zero, spun])
+    }
+}
+
+/// A tangent of its parts: position, orientation, velocity, angular velocity.
+fn tangent(parts: [Vector3<f64>; 4]) -> StateTangent {
+    StateTangent::from_fn(|at, _| parts[at / 3][at % 3])
 }
 
 /// The state in which a pressed body comes off.
@@ -174,8 +197,6 @@ pub struct LeftState {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::UnitQuaternion;
-
     use super::*;
 
     fn pressed() -> Pressed {
@@ -183,6 +204,7 @@ mod tests {
             duration_s: 0.04,
             restitution: 0.7,
             pull_m_s2: Vector3::new(0.6, -0.2, 0.0),
+            moments_kg_m2: Vector3::new(1.0, 1.7, 2.2),
         }
     }
 
@@ -209,6 +231,9 @@ mod tests {
         assert!((left.position_m.z - touching.position_m.z).abs() < 1e-15);
         let on_the_way = pressed.state(&touching, &after, pressed.duration_s);
         assert!(on_the_way.minus(&left).norm() < 1e-12);
+        let back = pressed.after(&touching, &left);
+        assert!((back.velocity_m_s - after.velocity_m_s).norm() < 1e-12);
+        assert!((back.angular_velocity_rad_s - after.angular_velocity_rad_s).norm() < 1e-12);
         let at_first = pressed.state(&touching, &after, 0.0);
         assert!(at_first.minus(&touching).norm() < 1e-15);
     }
@@ -221,6 +246,20 @@ mod tests {
                 [-1e-6, 0.0, 1e-6].map(|off_s| pressed.state(&touching, &after, since_s + off_s));
             let slope = (later.position_m - before.position_m) / 2e-6;
             assert!((slope - now.velocity_m_s).norm() < 1e-6, "{since_s}");
+            // Angular momentum changes along that of the impact alone.
+            let momentum = |state: &State| {
+                let own = pressed
+                    .moments_kg_m2
+                    .component_mul(&state.angular_velocity_rad_s);
+                touching.orientation.inverse() * (state.orientation * own)
+            };
+            let changed = after.angular_velocity_rad_s - touching.angular_velocity_rad_s;
+            let along = pressed.moments_kg_m2.component_mul(&changed);
+            let off = momentum(&now) - momentum(&touching);
+            assert!(
+                off.cross(&along).norm() < 1e-12 * along.norm_squared(),
+                "{since_s}"
+            );
         }
     }
 
@@ -261,6 +300,11 @@ mod tests {
         assert!((by - left.by_duration).norm() < 1e-7);
         let by = slope(&|step| with(&|of| of.restitution += step));
         assert!((by - left.by_restitution).norm() < 1e-8);
+        for axis in 0..3 {
+            let by = slope(&|step| with(&|of| of.moments_kg_m2[axis] *= step.exp()));
+            let told = pressed.left_by_log_moment(&touching, &after, &left.state, axis);
+            assert!((by - told).norm() < 1e-8, "{axis}");
+        }
         let along = Vector3::new(0.3, 0.5, -0.2);
         let by = slope(&|step| with(&|of| of.pull_m_s2 += along * step));
         assert!((by - pressed.left_by_pull(&along)).norm() < 1e-8);
