@@ -348,15 +348,18 @@ fn pressed<'a>(
     link: LinkIndex,
     event: &EventEstimate,
 ) -> Option<FramedPiece<'a>> {
-    let pressed = scene.pressed(estimate, event, link)?;
+    if event.contact_s <= 0.0 {
+        return None;
+    }
+    let collision = scene.events[event.event].kind.collision()?;
+    collision.links().find(|other| *other == link)?;
+    let speed_m_s = scene.closing_m_s(estimate, event)?;
+    let pressed = scene.pressed(estimate, event, link, speed_m_s)?;
     let mechanism = scene.mechanism_of(link);
-    let own = |arc: &&ArcEstimate| arc.mechanism == mechanism;
-    let mut arcs = estimate.arcs.iter().filter(own);
-    let before = arcs.clone().find(|arc| arc.end_s == event.time_s)?;
-    let after = arcs.find(|arc| arc.start_s == event.left_s())?;
-    let gravity_m_s2 = &estimate.gravity_m_s2;
-    let touching = scene.flown(before, gravity_m_s2, event.time_s);
-    let left = scene.flown(after, gravity_m_s2, event.left_s());
+    let mut arcs = estimate.arcs.iter();
+    let after = arcs.find(|of| of.mechanism == mechanism && of.start_s == event.left_s())?;
+    let touching = scene.touching(estimate, event, link)?;
+    let left = scene.flown(after, &estimate.gravity_m_s2, event.left_s());
     Some(FramedPiece::Pressed(Box::new(PressedPiece {
         touch_s: event.time_s,
         touching,

@@ -115,7 +115,8 @@ fn events(
             contact_s: {
                 let mut collisions = problem.collisions.iter();
                 let of = collisions.find(|of| of.event == event);
-                of.map_or(0.0, |of| of.contact_s(&point.parameters))
+                of.and_then(|of| of.contact_s(&point.parameters))
+                    .unwrap_or(0.0)
             },
             sd_s: None,
             is_fixed: !scene.time_is_free(event) && is_at_mark(problem, event),

@@ -21,7 +21,7 @@ use crate::motion::held::StateCovariance;
 use crate::motion::{
     Cone, FreeParameter, HeldMotion, LinkIndex, MechanismIndex, Performer, Stamp, TrackIndex,
 };
-use crate::physics::impact::{ContactSet, Law, Pressed, PressedOn, Velocities};
+use crate::physics::impact::{ContactSet, Impact, Law, Pressed, PressedOn, Side};
 use crate::physics::support::Caught;
 use crate::physics::{Body, State, state};
 
@@ -266,60 +266,70 @@ pub struct ArcCollision {
 }
 
 impl ArcCollision {
-    /// How long its contact lasts \[s\]; zero of one moment.
-    pub fn contact_s(&self, parameters: &[f64]) -> f64 {
+    /// How long its contact lasts \[s\]; `None` of one moment.
+    pub fn contact_s(&self, parameters: &[f64]) -> Option<f64> {
         let mut acting = self.acting.iter();
         let lasting = acting.find(|acting| acting.influence == Influence::ContactDuration);
-        lasting.map_or(0.0, |acting| parameters[acting.parameter])
+        Some(parameters[lasting?.parameter])
     }
 
-    /// The part of a pull that the contact does not bear while it lasts.
-    pub fn unborne(&self, pull_m_s2: &Vector3<f64>) -> Vector3<f64> {
-        let on = match (self.sides.len(), self.held) {
-            (1, None) => PressedOn::World,
-            (1, Some(_)) => PressedOn::Held,
-            _ => PressedOn::Flying,
-        };
-        self.contacts.unborne(pull_m_s2, on)
-    }
-
-    /// How a body is pressed whose contact lasts; `None` of one moment.
+    /// How a body is pressed whose contact lasts, at a speed of the first contact along its normal [m/s]; `None` of one
+    /// moment.
     pub fn pressed(
         &self,
         body: &Body,
         gravity_m_s2: &Vector3<f64>,
         parameters: &[f64],
+        speed_m_s: f64,
     ) -> Option<Pressed> {
-        let duration_s = self.contact_s(parameters);
-        let lasts = self
-            .acting
-            .iter()
-            .any(|acting| acting.influence == Influence::ContactDuration);
-        lasts.then(|| Pressed {
+        let duration_s = self.contact_s(parameters)?;
+        let on = match (self.sides.len(), self.held) {
+            (1, None) => PressedOn::World,
+            (1, Some(_)) => PressedOn::Held,
+            _ => PressedOn::Flying,
+        };
+        let restitution = self.law(parameters).restitution;
+        let contacts = &self.contacts;
+        Some(Pressed::new(
+            contacts,
+            on,
+            body,
+            gravity_m_s2,
+            speed_m_s,
+            restitution,
             duration_s,
-            restitution: self.law(parameters).restitution,
-            pull_m_s2: self.unborne(&body.pull_m_s2(gravity_m_s2)),
-            moments_kg_m2: body.moments_kg_m2(),
-        })
+        ))
     }
 
-    /// The state in which a body comes off, from that at the touch and its velocities after the impact.
-    pub fn left(
+    /// The impact, and the states in which the bodies come off.
+    pub fn struck(
         &self,
-        body: &Body,
+        sides: [Option<&Side>; 2],
         gravity_m_s2: &Vector3<f64>,
         parameters: &[f64],
-        touching: &State,
-        after: &Velocities,
-    ) -> State {
-        match self.pressed(body, gravity_m_s2, parameters) {
-            Some(pressed) => pressed.left(touching, after).state,
+    ) -> Option<(Impact, Vec<State>)> {
+        let [a, b] = sides;
+        let (a, law) = (a?, self.law(parameters));
+        let at_once = self.contacts.impact(a, b, &law).ok()?;
+        let pressed = |side: &Side| {
+            let speed_m_s = at_once.speeds_m_s[0];
+            self.pressed(side.body, gravity_m_s2, parameters, speed_m_s)
+        };
+        let impact = match pressed(a) {
+            None => at_once,
+            Some(pressed) => self.contacts.impact(a, b, &pressed.law(&law)).ok()?,
+        };
+        let left = [Some(a), b].into_iter().flatten().zip(&impact.after);
+        let left = left.map(|(side, after)| match pressed(side) {
+            Some(pressed) => pressed.left(side.state, after).state,
             None => State {
                 velocity_m_s: after.velocity_m_s,
                 angular_velocity_rad_s: after.angular_velocity_rad_s,
-                ..*touching
+                ..*side.state
             },
-        }
+        });
+        let left = left.collect();
+        Some((impact, left))
     }
 
     /// Its law with free quantities taken from `parameters`.
@@ -724,9 +734,9 @@ impl Problem {
     pub fn pressed_before_s(&self, arc: usize, parameters: &[f64]) -> f64 {
         let mut collisions = self.collisions.iter();
         let begins = |of: &&ArcCollision| of.sides.iter().any(|side| side.after == arc);
-        collisions
-            .find(begins)
-            .map_or(0.0, |of| of.contact_s(parameters))
+        let lasting = collisions.find(begins);
+        let lasting_s = lasting.and_then(|of| of.contact_s(parameters));
+        lasting_s.unwrap_or(0.0)
     }
 
     /// Components of gravity that are free.

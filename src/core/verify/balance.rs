@@ -42,7 +42,7 @@ pub(super) fn balance(world: &World) -> Balance {
         }
     }
     for event in &world.estimate.events {
-        let Some(law) = CheckedLaw::new(world.scene, world.estimate, event.event) else {
+        let Some(mut law) = CheckedLaw::new(world.scene, world.estimate, event.event) else {
             continue;
         };
         let side = |link: LinkIndex| {
@@ -57,8 +57,29 @@ pub(super) fn balance(world: &World) -> Balance {
                 states: sides.map(|(arc, time_s)| link.state(arc, time_s)),
             })
         };
+        let World {
+            scene, estimate, ..
+        } = world;
+        let closing_m_s = scene.closing_m_s(estimate, event);
         let links = [law.link].into_iter().chain(law.other);
-        let sides: Option<Vec<BeforeAfter>> = links.map(side).collect();
+        let mut sides: Option<Vec<BeforeAfter>> = links.clone().map(side).collect();
+        // Of a contact that lasts, the impact whose impulse acted meanwhile.
+        for (link, side) in links.zip(sides.iter_mut().flatten()) {
+            let pressed = closing_m_s
+                .and_then(|closing_m_s| scene.pressed(estimate, event, link, closing_m_s));
+            if let Some(pressed) = pressed {
+                let [touching, left] = &side.states;
+                let after = pressed.after(touching, left);
+                side.states[1] = State {
+                    velocity_m_s: after.velocity_m_s,
+                    angular_velocity_rad_s: after.angular_velocity_rad_s,
+                    ..*touching
+                };
+                if link == law.link {
+                    law.press(Some(&pressed));
+                }
+            }
+        }
         if let Some(impact) = sides.and_then(|sides| EstimatedImpact::new(&law, sides)) {
             impact.check(&law, &mut balance);
         }

@@ -2,7 +2,7 @@
 
 use crate::motion::{Estimate, LinkIndex, Partner, Scene};
 use crate::physics::State;
-use crate::physics::impact::{self, ContactSet, Impact, Side, Velocities};
+use crate::physics::impact::{self, ContactSet, Impact, Pressed, Side, Velocities};
 
 /// The bodies and contacts of a collision, and its law.
 pub(super) struct CheckedLaw<'a> {
@@ -29,6 +29,11 @@ impl<'a> CheckedLaw<'a> {
                 Partner::Link(other) => Some(other),
             },
         })
+    }
+
+    /// Presses by the weight of what is pressed, too.
+    pub(super) fn press(&mut self, pressed: Option<&Pressed>) {
+        self.law = pressed.map_or(self.law, |pressed| pressed.law(&self.law));
     }
 
     /// The states after the impact, of the link and of the other link if there is one; `None` where

@@ -103,7 +103,7 @@ impl FreeShot<'_> {
         let is_bent = gap.velocity_m_s > GAP_M_S || gap.angular_velocity_rad_s > GAP_RAD_S;
         let after = law
             .filter(|_| offset_s.is_some() && !is_bent)
-            .and_then(|law| self.bounce(&law, event));
+            .and_then(|mut law| self.bounce(&mut law, event));
         if after.is_none() {
             self.result.restarts.push(event.event);
             for link in links {
@@ -138,19 +138,22 @@ impl FreeShot<'_> {
 
     /// Changes the velocities of the bodies that collide, and presses them as long as their contact lasts; `None` where the
     /// impact is undetermined.
-    fn bounce(&mut self, law: &CheckedLaw, event: &EventEstimate) -> Option<()> {
+    fn bounce(&mut self, law: &mut CheckedLaw, event: &EventEstimate) -> Option<()> {
         let state = |link: LinkIndex| Some(self.flights[link]?.state);
         let other = match law.other {
             None => None,
             Some(other) => Some(state(other)?),
         };
-        let (after_of_link, after_of_other) = law.after(&state(law.link)?, other.as_ref())?;
+        let World {
+            scene, estimate, ..
+        } = self.world;
+        let touching = state(law.link)?;
+        let speed_m_s = law.impact(&touching, other.as_ref())?.speeds_m_s[0];
+        law.press(scene.pressed(estimate, event, law.link, speed_m_s).as_ref());
+        let (after_of_link, after_of_other) = law.after(&touching, other.as_ref())?;
         let others = law.other.zip(after_of_other);
         for (link, after) in [(law.link, after_of_link)].into_iter().chain(others) {
-            let World {
-                scene, estimate, ..
-            } = self.world;
-            let pressed = scene.pressed(estimate, event, link);
+            let pressed = scene.pressed(estimate, event, link, speed_m_s);
             if let Some(flight) = &mut self.flights[link] {
                 flight.state = match pressed {
                     None => after,

@@ -20,7 +20,7 @@ use crate::estimate::terms::modelled::TouchedPair;
 use crate::estimate::unknowns::layout::Layout;
 use crate::math::so3;
 use crate::optimise::block::BlockPattern;
-use crate::physics::impact::{self, ImpactByModel};
+use crate::physics::impact::{self, ImpactByModel, Pressed};
 use crate::physics::state::{StateTangent, part};
 use crate::physics::{Body, State};
 
@@ -116,6 +116,18 @@ pub(super) fn fill(
     let touching = problem.touching_at(collision, parameters)?;
     let contacts = &touching.contacts;
     let law = collision.law(parameters);
+    let gravity_m_s2 = problem.gravity(parameters);
+    let pressed: Vec<Pressed> = match collision.contact_s(parameters) {
+        None => Vec::new(),
+        Some(_) => {
+            let at_once = contacts.impact(&a, b.as_ref(), &law).ok()?;
+            let speed_m_s = at_once.speeds_m_s[0];
+            let each = bodies.iter();
+            each.filter_map(|body| collision.pressed(body, &gravity_m_s2, parameters, speed_m_s))
+                .collect()
+        }
+    };
+    let law = pressed.first().map_or(law, |pressed| pressed.law(&law));
     let derivative = &mut at.impact;
     let impact = contacts.derivative(&a, b.as_ref(), &law, derivative).ok()?;
     let is_of_model = |acting: &Acting| {
@@ -186,13 +198,15 @@ pub(super) fn fill(
     }
 
     // Continuity.
-    let left_s = time_s + collision.contact_s(parameters);
+    let left_s = time_s + collision.contact_s(parameters).unwrap_or(0.0);
     for (index, side) in collision.sides.iter().enumerate() {
         let after = arrive(side.after, left_s)?;
-        let gravity_m_s2 = problem.gravity(parameters);
-        let pressed = collision.pressed(&bodies[index], &gravity_m_s2, parameters);
         let touching = &before[index].end.state;
-        let left = pressed.map(|of| of.left(touching, &impact.after[index]));
+        let pressed = pressed.get(index);
+        let left = pressed.map(|pressed| {
+            let left = pressed.left(touching, &impact.after[index]);
+            left.with_law(pressed, &derivative.after_by_restitution[index])
+        });
         let bounced = match &left {
             Some(left) => left.state,
             None => State {
@@ -216,8 +230,10 @@ pub(super) fn fill(
         };
         let by_before: Vec<ByStates> = (0..before.len())
             .map(|other| {
-                if let Some(left) = &left {
+                if let Some((left, pressed)) = left.as_ref().zip(pressed) {
+                    let weight_by = derivative.speed[0][other] * pressed.weight_by_speed;
                     let mut by = left.by_after * derivative.after[index][other];
+                    by += left.by_weight * weight_by;
                     if other == index {
                         by += left.by_touching;
                     }
@@ -257,17 +273,14 @@ pub(super) fn fill(
                 column
             }
         };
-        let by_restitution = left.as_ref().map_or_else(StateTangent::zeros, |left| {
-            -(by_bounced * left.by_restitution)
-        });
         let restitution = collision.restitution_parameter;
         let friction = collision
             .friction_parameter
             .filter(|of| !acts_too(collision, *of));
-        columns.extend(
-            restitution
-                .map(|_| velocities(derivative.after_by_restitution[index]) + by_restitution),
-        );
+        columns.extend(restitution.map(|_| match &left {
+            Some(left) => -(by_bounced * left.by_restitution),
+            None => velocities(derivative.after_by_restitution[index]),
+        }));
         columns.extend(friction.map(|_| velocities(derivative.after_by_friction[index])));
         columns.extend(collision.tilts.iter().map(|(tangent, _)| {
             velocities(derivative.after_by_tilt[index].column(*tangent).into())
@@ -287,14 +300,15 @@ pub(super) fn fill(
             if collision.friction_parameter == Some(acting.parameter) {
                 column += velocities(derivative.after_by_friction[index]);
             }
-            if let (Some(left), Some(pressed)) = (&left, &pressed) {
+            if let Some((left, pressed)) = left.as_ref().zip(pressed) {
+                let by_weight = pressed.weight_by_speed * own.speed[0];
+                column -= by_bounced * (left.by_weight * by_weight);
                 match acting.influence {
                     Influence::ContactDuration => {
                         column += by_after * after.end.rate - by_bounced * left.by_duration;
                     }
                     Influence::Pull(axis) if acts(acting, index) => {
-                        let along = collision.unborne(&Vector3::ith(axis, 1.0));
-                        column -= by_bounced * pressed.left_by_pull(&along);
+                        column -= by_bounced * left.by_pull(pressed, axis);
                     }
                     Influence::Moment(axes) if acts(acting, index) => {
                         for axis in (0..3).filter(|axis| axes[*axis]) {

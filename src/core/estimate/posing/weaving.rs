@@ -204,7 +204,8 @@ impl Problem {
             .collisions
             .iter()
             .find(|of| Some(of.event) == arc.start);
-        let pressed_s = pressed_s.map_or(0.0, |of| of.contact_s(&at.parameters));
+        let pressed_s = pressed_s.and_then(|of| of.contact_s(&at.parameters));
+        let pressed_s = pressed_s.unwrap_or(0.0);
         let from_s = start_s
             .filter(|_| is_kink(arc.start))
             .map(|from_s| from_s + pressed_s);

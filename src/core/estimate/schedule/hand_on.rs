@@ -21,8 +21,8 @@ pub fn hand_on(problem: &Problem, epochs_s: &[f64], point: &mut Point) {
         {
             for (side, state) in collision.sides.iter().zip(after) {
                 if few(side.after) {
-                    let left_s = collision.contact_s(&point.parameters)
-                        + point.event_times_s[collision.event];
+                    let contact_s = collision.contact_s(&point.parameters);
+                    let left_s = point.event_times_s[collision.event] + contact_s.unwrap_or(0.0);
                     let since_s = epochs_s[side.after] - left_s;
                     let gravity = problem.gravity(&point.parameters);
                     let body = problem.body_of(side.after);
@@ -58,20 +58,12 @@ fn after(
         };
         Some(Side { body, state })
     };
-    let law = collision.law(&point.parameters);
-    let impact = collision.contacts.impact(&side(0)?, side(1).as_ref(), &law);
-    let impact = impact.ok()?;
+    let (a, b) = (side(0), side(1));
+    let sides = [a.as_ref(), b.as_ref()];
+    let (impact, left) = collision.struck(sides, &gravity, &point.parameters)?;
     let contacts = collision.contacts.as_slice().len();
     let approaches = impact.speeds_m_s[..contacts]
         .iter()
         .all(|speed| *speed < 0.0);
-    let states = before.iter().zip(&impact.after).enumerate();
-    let states = states.map(|(side, (before, after))| {
-        let body = collision
-            .sides
-            .get(side)
-            .map_or(&Body::IMMOVABLE, |side| problem.body_of(side.before));
-        collision.left(body, &gravity, &point.parameters, before, after)
-    });
-    approaches.then(|| states.collect())
+    approaches.then_some(left)
 }

@@ -42,18 +42,17 @@ pub(in crate::estimate) fn simulate(
         let from_s = approach.begins_s(&point.event_times_s);
         let lasts_s = known_s[of.event] - approach.begins_s(&known_s);
         let time_s = approach.first_touch_s(from_s, lasts_s)?;
-        let (before, impact) = approach.at(time_s)?;
+        let (impact, left) = approach.at(time_s)?;
         if impact.speeds_m_s[0] >= 0.0 {
             return None;
         }
         point.event_times_s[of.event] = time_s;
         problem.hold(&mut point, Some(of.event));
-        for ((side, before), after) in of.sides.iter().zip(&before).zip(&impact.after) {
+        let left_s = time_s + of.contact_s(&point.parameters).unwrap_or(0.0);
+        for (side, state) in of.sides.iter().zip(&left) {
             let body = problem.body_of(side.after);
-            let state = of.left(body, &gravity, &point.parameters, before, after);
-            let left_s = time_s + of.contact_s(&point.parameters);
             let since_s = epochs_s[side.after] - left_s;
-            point.arcs[side.after] = flow::advance(body, &gravity, &state, since_s);
+            point.arcs[side.after] = flow::advance(body, &gravity, state, since_s);
         }
     }
     Some(point)
@@ -83,8 +82,8 @@ impl Approach<'_> {
         begins_s.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The states before, and the impact there.
-    fn at(&self, time_s: f64) -> Option<(Vec<State>, Impact)> {
+    /// The impact, were it at a time, and the states in which it leaves the bodies.
+    fn at(&self, time_s: f64) -> Option<(Impact, Vec<State>)> {
         let gravity = self.problem.gravity(&self.point.parameters);
         let states = self.of.sides.iter().map(|side| {
             let since_s = time_s - self.epochs_s[side.before];
@@ -101,13 +100,8 @@ impl Approach<'_> {
             Side { body, state }
         });
         let sides: Vec<Side> = sides.collect();
-        let law = self.of.law(&self.point.parameters);
-        let impact = self
-            .of
-            .contacts
-            .impact(&sides[0], sides.get(1), &law)
-            .ok()?;
-        Some((states, impact))
+        let sides = [sides.first(), sides.get(1)];
+        self.of.struck(sides, &gravity, &self.point.parameters)
     }
 
     /// The smoothed state of a held body, were the collision at a time.
@@ -118,7 +112,7 @@ impl Approach<'_> {
     }
 
     fn gap_m(&self, time_s: f64) -> Option<f64> {
-        self.at(time_s).map(|(_, impact)| impact.gaps_m[0])
+        self.at(time_s).map(|(impact, _)| impact.gaps_m[0])
     }
 
     /// The first time after `from_s` at which the gap closes, by a scan, then by regula falsi in

@@ -5,7 +5,8 @@ use super::quantity::Quantity;
 use super::whole::Scene;
 use crate::motion::estimate::{Estimate, EventEstimate};
 use crate::motion::index::LinkIndex;
-use crate::physics::impact::{Law, Pressed, PressedOn};
+use crate::physics::State;
+use crate::physics::impact::{Law, Pressed, PressedOn, Side};
 
 impl Scene {
     /// The law of impact at an event with the estimated parameters; `None` where it is no collision.
@@ -27,16 +28,17 @@ impl Scene {
         })
     }
 
-    /// How a link is pressed at a collision that lasts; `None` at others. The scene has its quantities as estimated.
+    /// How a link is pressed at a collision that lasts, at a speed of the first contact along its normal [m/s]; `None` at
+    /// others. The scene has its quantities as estimated.
     pub fn pressed(
         &self,
         estimate: &Estimate,
         event: &EventEstimate,
         link: LinkIndex,
+        speed_m_s: f64,
     ) -> Option<Pressed> {
         let collision = self.events[event.event].kind.collision()?;
-        let mut links = collision.links();
-        if event.contact_s <= 0.0 || !links.any(|other| other == link) {
+        if event.contact_s <= 0.0 {
             return None;
         }
         let contacts = self.contact_set(event.event).ok()??;
@@ -46,12 +48,51 @@ impl Scene {
             Partner::Link(_) if links.any(|other| self.is_held(other)) => PressedOn::Held,
             Partner::Link(_) => PressedOn::Flying,
         };
-        let pull_m_s2 = self.links[link].body.pull_m_s2(&estimate.gravity_m_s2);
-        Some(Pressed {
-            duration_s: event.contact_s,
-            restitution: self.law_estimated(estimate, event.event)?.restitution,
-            pull_m_s2: contacts.unborne(&pull_m_s2, on),
-            moments_kg_m2: self.links[link].body.moments_kg_m2(),
-        })
+        let restitution = self.law_estimated(estimate, event.event)?.restitution;
+        let (body, gravity) = (&self.links[link].body, &estimate.gravity_m_s2);
+        Some(Pressed::new(
+            &contacts,
+            on,
+            body,
+            gravity,
+            speed_m_s,
+            restitution,
+            event.contact_s,
+        ))
+    }
+
+    /// The speed with which the first contact of a collision closes, along its normal, before it [m/s]; `None` where it is
+    /// degenerate or a flight is missing.
+    pub fn closing_m_s(&self, estimate: &Estimate, event: &EventEstimate) -> Option<f64> {
+        let collision = self.events[event.event].kind.collision()?;
+        let contacts = self.contact_set(event.event).ok()??;
+        let law = self.law_estimated(estimate, event.event)?;
+        let states = collision
+            .links()
+            .map(|link| self.touching(estimate, event, link));
+        let states: Vec<State> = states.collect::<Option<_>>()?;
+        let sides = collision.links().zip(&states).map(|(link, state)| Side {
+            body: &self.links[link].body,
+            state,
+        });
+        let sides: Vec<Side> = sides.collect();
+        let impact = contacts.impact(sides.first()?, sides.get(1), &law).ok()?;
+        Some(impact.speeds_m_s[0])
+    }
+
+    /// The state of a link as it touches something at an event.
+    pub fn touching(
+        &self,
+        estimate: &Estimate,
+        event: &EventEstimate,
+        link: LinkIndex,
+    ) -> Option<State> {
+        if let Some(held) = estimate.held_motion(link) {
+            return Some(held.state(event.time_s));
+        }
+        let mechanism = self.mechanism_of(link);
+        let mut arcs = estimate.arcs.iter();
+        let before = arcs.find(|of| of.mechanism == mechanism && of.end_s == event.time_s)?;
+        Some(self.flown(before, &estimate.gravity_m_s2, event.time_s))
     }
 }

@@ -1,10 +1,7 @@
 //! The contacts of one collision.
 
-use nalgebra::Vector3;
-
 use super::error::ContactSetError;
 use super::law::MOST_CONTACTS;
-use super::pressed::PressedOn;
 use crate::physics::contact::{Contact, ContactError, Feature};
 
 /// How far from its own point a face is held to another \[m\].
@@ -82,18 +79,6 @@ impl ContactSet {
     /// Whether a face lands flat and friction acts on it as a whole.
     pub fn is_landing(&self) -> bool {
         self.has_friction && self.count > 1
-    }
-
-    /// The part of a pull that what a body presses on does not bear: of a face of the world that along it, of what flies along
-    /// all. Beside others nothing else acts.
-    pub fn unborne(&self, pull_m_s2: &Vector3<f64>, on: PressedOn) -> Vector3<f64> {
-        match (on, self.contacts[0].b()) {
-            (PressedOn::Flying, _) => *pull_m_s2,
-            (PressedOn::World, Feature::Face { normal, .. }) => {
-                pull_m_s2 - normal * normal.dot(pull_m_s2)
-            }
-            _ => Vector3::zeros(),
-        }
     }
 
     /// Whether friction is part of it.

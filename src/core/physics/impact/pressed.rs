@@ -7,26 +7,39 @@
 //! ż = u exp(−γ s) (cos ω s − γ/ω sin ω s),   z = u/ω exp(−γ s) sin ω s,   z(T) = 0,   ż(T) = −e u
 //! ```
 //!
-//! so that the share `h = (1 − ż/u)/(1 + e)` of the change of all velocities has happened after `s`. With
-//! `H = ∫h = (s − z/u)/(1 + e)`, the change `Δ` by the impact and the pull `a` that the contact does not bear,
+//! A face of the world bears the body's weight, too, which presses by `g` and adds to friction: with `k = g/u` the impulse is
+//! that of an impact with the restitution `e + k T`, of which the share `h` has acted after `s`, and `H = ∫h`:
+//!
+//! ```text
+//! h = (1 − ż/u + k s)/(1 + e + k T),   H = (s − z/u + ½ k s²)/(1 + e + k T)
+//! ```
+//!
+//! With the change `Δ` by that impact and the pull `a` on the body,
 //!
 //! ```text
 //! x = x⁻ + s v⁻ + H Δv + ½ s² a,   v = v⁻ + h Δv + s a
 //! R = R⁻ Exp(φ),   φ = s ω⁻ + H Δω,   ω = I⁻¹ Exp(−φ) I (ω⁻ + h Δω)
 //! ```
 //!
-//! so that angular momentum is that of the impact in axes that have turned. At the end `H = T/(1 + e)`: the point of contact is as high as it was, and has gone on along the surface.
+//! so that angular momentum is that of the impact in axes that have turned. At the end the point of contact is as high as it
+//! was, and has gone on along the surface.
 
 use std::f64::consts::PI;
 
-use nalgebra::{SMatrix, UnitQuaternion, Vector3};
+use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
 
-use super::law::Velocities;
+use super::contact_set::ContactSet;
+use super::law::{Law, Velocities};
 use crate::math::so3;
+use crate::physics::body::Body;
+use crate::physics::contact::Feature;
 use crate::physics::state::{ByStates, State, StateTangent, part};
 
 /// Restitution below which the damper is no stronger: the impulse is over at once.
 const LEAST_RESTITUTION: f64 = 1e-6;
+
+/// Least approach that is told from none [m/s].
+const LEAST_M_S: f64 = 1e-3;
 
 /// Derivatives of a state by both velocities of an impact.
 pub type ByVelocities = SMatrix<f64, 12, 6>;
@@ -47,15 +60,79 @@ pub enum PressedOn {
 pub struct Pressed {
     /// How long \[s\].
     pub duration_s: f64,
-    /// Restitution of the impact.
+    /// Restitution: the speed along the normal with which it comes off over that with which it touches.
     pub restitution: f64,
-    /// What acts on the body beside the contact, per mass [m/s²].
+    /// What else acts on the body, per mass [m/s²].
     pub pull_m_s2: Vector3<f64>,
     /// The body's moments of inertia [kg m²]; only their ratios matter.
     pub moments_kg_m2: Vector3<f64>,
+    /// `k`, by which its weight presses [1/s],
+    pub weight_per_s: f64,
+    /// the derivative of that by the speed of the contact along its normal [1/m],
+    pub weight_by_speed: f64,
+    /// and by the pull [s/m].
+    pub weight_by_pull: Vector3<f64>,
+    /// Whether its pull acts meanwhile.
+    pub is_pulled: bool,
 }
 
 impl Pressed {
+    /// How a body is pressed at contacts with something, under its pull, with the first one's speed along its normal
+    /// [m/s], negative approaching.
+    pub fn new(
+        contacts: &ContactSet,
+        on: PressedOn,
+        body: &Body,
+        gravity_m_s2: &Vector3<f64>,
+        speed_m_s: f64,
+        restitution: f64,
+        duration_s: f64,
+    ) -> Self {
+        let normal = match (on, contacts.as_slice()) {
+            (PressedOn::World, [contact]) => match contact.b() {
+                Feature::Face { normal, .. } => Some(*normal),
+                _ => None,
+            },
+            _ => None,
+        };
+        let is_pulled = normal.is_some() || on == PressedOn::Flying;
+        let pull_m_s2 = match is_pulled {
+            true => body.pull_m_s2(gravity_m_s2),
+            false => Vector3::zeros(),
+        };
+        let approach_m_s = (-speed_m_s).max(LEAST_M_S);
+        let weight_by_pull = normal.map_or_else(Vector3::zeros, |normal| -normal / approach_m_s);
+        let weight_per_s = weight_by_pull.dot(&pull_m_s2);
+        let varies = -speed_m_s > LEAST_M_S;
+        Self {
+            duration_s,
+            restitution,
+            pull_m_s2,
+            moments_kg_m2: body.moments_kg_m2(),
+            weight_per_s,
+            weight_by_speed: if varies {
+                weight_per_s / approach_m_s
+            } else {
+                0.0
+            },
+            weight_by_pull,
+            is_pulled,
+        }
+    }
+
+    /// The law of the impact whose impulse acts meanwhile.
+    pub fn law(&self, law: &Law) -> Law {
+        Law {
+            restitution: law.restitution + self.weight_per_s * self.duration_s,
+            ..*law
+        }
+    }
+
+    /// `1 + e + k T`.
+    fn whole(&self) -> f64 {
+        1.0 + self.restitution + self.weight_per_s * self.duration_s
+    }
+
     /// The state some time after the touch, from that at the touch and the velocities after an impact that is one moment.
     pub fn state(&self, touching: &State, after: &Velocities, since_s: f64) -> State {
         let restitution = self.restitution.max(LEAST_RESTITUTION);
@@ -65,8 +142,10 @@ impl Pressed {
         let faded = (-decay_per_s * since_s).exp();
         let speed = faded * (cosine - decay_per_s / frequency_rad_s * sine);
         let depth_s = faded * sine / frequency_rad_s;
-        let share = (1.0 - speed) / (1.0 + restitution);
-        let share_s = (since_s - depth_s) / (1.0 + restitution);
+        let whole = 1.0 + restitution + self.weight_per_s * self.duration_s;
+        let borne = self.weight_per_s * since_s;
+        let share = (1.0 - speed + borne) / whole;
+        let share_s = (since_s - depth_s + 0.5 * borne * since_s) / whole;
         let (v, omega) = (touching.velocity_m_s, touching.angular_velocity_rad_s);
         let changed_m_s = after.velocity_m_s - v;
         let turned_rad_s = after.angular_velocity_rad_s - omega;
@@ -100,17 +179,19 @@ impl Pressed {
     /// The state in which the body comes off, with its derivatives.
     pub fn left(&self, touching: &State, after: &Velocities) -> LeftState {
         let (duration_s, pull_m_s2) = (self.duration_s, self.pull_m_s2);
-        let share = 1.0 / (1.0 + self.restitution);
+        let (weight_per_s, whole) = (self.weight_per_s, self.whole());
+        let share_s = duration_s * (1.0 + 0.5 * weight_per_s * duration_s) / whole;
         let (v, omega) = (touching.velocity_m_s, touching.angular_velocity_rad_s);
         let changed_m_s = after.velocity_m_s - v;
         let turned_rad_s = after.angular_velocity_rad_s - omega;
-        let (mean_m_s, mean_rad_s) = (v + changed_m_s * share, omega + turned_rad_s * share);
-        let (turn, right) = so3::exp_and_right_jacobian(&(mean_rad_s * duration_s));
+        let angle_rad = omega * duration_s + turned_rad_s * share_s;
+        let (turn, right) = so3::exp_and_right_jacobian(&angle_rad);
         let back = turn.inverse();
         let spin_rad_s = self.spun(&back, &after.angular_velocity_rad_s);
         let state = State {
             position_m: touching.position_m
-                + mean_m_s * duration_s
+                + v * duration_s
+                + changed_m_s * share_s
                 + pull_m_s2 * (0.5 * duration_s * duration_s),
             orientation: touching.orientation * turn,
             velocity_m_s: after.velocity_m_s + pull_m_s2 * duration_s,
@@ -131,34 +212,32 @@ impl Pressed {
             by_touching.set_column(part::POSITION + axis, &tangent([one, zero, zero, zero]));
             let turned = tangent([zero, back * one, zero, zero]);
             by_touching.set_column(part::ORIENTATION + axis, &turned);
-            let (velocity, spin) = (moved(one * duration_s, zero), moved(zero, one * duration_s));
-            by_touching.set_column(part::VELOCITY + axis, &(velocity * (1.0 - share)));
-            by_touching.set_column(part::ANGULAR_VELOCITY + axis, &(spin * (1.0 - share)));
+            let (velocity, spin) = (moved(one, zero), moved(zero, one));
+            let left_s = duration_s - share_s;
+            by_touching.set_column(part::VELOCITY + axis, &(velocity * left_s));
+            by_touching.set_column(part::ANGULAR_VELOCITY + axis, &(spin * left_s));
             let jumped = tangent([zero, zero, one, zero]);
-            by_after.set_column(axis, &(velocity * share + jumped));
+            by_after.set_column(axis, &(velocity * share_s + jumped));
             let spun = tangent([zero, zero, zero, self.spun(&back, &one)]);
-            by_after.set_column(3 + axis, &(spin * share + spun));
+            by_after.set_column(3 + axis, &(spin * share_s + spun));
         }
         let pulled = tangent([pull_m_s2 * duration_s, zero, pull_m_s2, zero]);
-        let less = -share * share * duration_s;
+        // Derivatives of H(T) by T, e and k.
+        let by_duration = (1.0 + weight_per_s * (duration_s - share_s)) / whole;
+        let by_restitution_s = -share_s / whole;
+        let by_weight_s2 = duration_s * (0.5 * duration_s - share_s) / whole;
+        let shared = |by: f64| moved(changed_m_s * by, turned_rad_s * by);
         LeftState {
             state,
             by_touching,
             by_after,
-            by_duration: moved(mean_m_s, mean_rad_s) + pulled,
-            by_restitution: moved(changed_m_s * less, turned_rad_s * less),
+            by_duration: moved(v, omega) + shared(by_duration) + pulled,
+            by_restitution: shared(by_restitution_s),
+            by_weight: shared(by_weight_s2),
         }
     }
 
-    /// Derivative of the state in which the body comes off by a part of the pull, along `along`.
-    pub fn left_by_pull(&self, along: &Vector3<f64>) -> StateTangent {
-        let zero = Vector3::zeros();
-        let duration_s = self.duration_s;
-        let way = along * (0.5 * duration_s * duration_s);
-        tangent([way, zero, along * duration_s, zero])
-    }
-
-    /// Derivative of the same by the logarithm of the moment about an axis, the velocities after the impact apart.
+    /// Derivative of the state in which the body comes off by the logarithm of the moment about an axis, the velocities after the impact apart.
     pub fn left_by_log_moment(
         &self,
         touching: &State,
@@ -185,14 +264,37 @@ fn tangent(parts: [Vector3<f64>; 4]) -> StateTangent {
 pub struct LeftState {
     /// The state.
     pub state: State,
-    /// Its derivatives by the state at the touch, the velocities after the impact apart,
+    /// Its derivatives by the state at the touch, where the velocities after the impact stay,
     pub by_touching: ByStates,
     /// by these,
     pub by_after: ByVelocities,
     /// by how long the contact lasts,
     pub by_duration: StateTangent,
-    /// and by the restitution, these velocities apart.
+    /// by the restitution,
     pub by_restitution: StateTangent,
+    /// and by how its weight presses.
+    pub by_weight: StateTangent,
+}
+
+impl LeftState {
+    /// The same with how the velocities after the impact follow from its law, given their derivative by the restitution.
+    pub fn with_law(mut self, pressed: &Pressed, after_by_restitution: &SVector<f64, 6>) -> Self {
+        let by_law = self.by_after * after_by_restitution;
+        self.by_duration += by_law * pressed.weight_per_s;
+        self.by_restitution += by_law;
+        self.by_weight += by_law * pressed.duration_s;
+        self
+    }
+
+    /// Its derivative by the pull along an axis of the world.
+    pub fn by_pull(&self, pressed: &Pressed, axis: usize) -> StateTangent {
+        let by_weight = self.by_weight * pressed.weight_by_pull[axis];
+        if !pressed.is_pulled {
+            return by_weight;
+        }
+        let (zero, one) = (Vector3::zeros(), Vector3::ith(axis, pressed.duration_s));
+        by_weight + tangent([one * (0.5 * pressed.duration_s), zero, one, zero])
+    }
 }
 
 #[cfg(test)]
@@ -203,8 +305,12 @@ mod tests {
         Pressed {
             duration_s: 0.04,
             restitution: 0.7,
-            pull_m_s2: Vector3::new(0.6, -0.2, 0.0),
+            pull_m_s2: Vector3::new(0.6, -0.2, -9.0),
             moments_kg_m2: Vector3::new(1.0, 1.7, 2.2),
+            weight_per_s: 3.0,
+            weight_by_speed: 1.0,
+            weight_by_pull: Vector3::new(0.0, 0.0, -1.0 / 3.0),
+            is_pulled: true,
         }
     }
 
@@ -219,7 +325,8 @@ mod tests {
 
     fn after() -> Velocities {
         Velocities {
-            velocity_m_s: Vector3::new(0.9, 0.5, 2.1),
+            // The restitution with the weight of 40 ms.
+            velocity_m_s: Vector3::new(0.9, 0.5, 3.0 * (0.7 + 3.0 * 0.04)),
             angular_velocity_rad_s: Vector3::new(-3.0, 5.0, 2.5),
         }
     }
@@ -229,6 +336,7 @@ mod tests {
         let (pressed, touching, after) = (pressed(), touching(), after());
         let left = pressed.left(&touching, &after).state;
         assert!((left.position_m.z - touching.position_m.z).abs() < 1e-15);
+        assert!((left.velocity_m_s.z - 2.1).abs() < 1e-12);
         let on_the_way = pressed.state(&touching, &after, pressed.duration_s);
         assert!(on_the_way.minus(&left).norm() < 1e-12);
         let back = pressed.after(&touching, &left);
@@ -300,13 +408,21 @@ mod tests {
         assert!((by - left.by_duration).norm() < 1e-7);
         let by = slope(&|step| with(&|of| of.restitution += step));
         assert!((by - left.by_restitution).norm() < 1e-8);
+        let by = slope(&|step| with(&|of| of.weight_per_s += step));
+        assert!((by - left.by_weight).norm() < 1e-8);
         for axis in 0..3 {
             let by = slope(&|step| with(&|of| of.moments_kg_m2[axis] *= step.exp()));
             let told = pressed.left_by_log_moment(&touching, &after, &left.state, axis);
             assert!((by - told).norm() < 1e-8, "{axis}");
         }
-        let along = Vector3::new(0.3, 0.5, -0.2);
-        let by = slope(&|step| with(&|of| of.pull_m_s2 += along * step));
-        assert!((by - pressed.left_by_pull(&along)).norm() < 1e-8);
+        for axis in 0..3 {
+            let by = slope(&|step| {
+                with(&|of| {
+                    of.pull_m_s2[axis] += step;
+                    of.weight_per_s = of.weight_by_pull.dot(&of.pull_m_s2);
+                })
+            });
+            assert!((by - left.by_pull(&pressed, axis)).norm() < 1e-8, "{axis}");
+        }
     }
 }
