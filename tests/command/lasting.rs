@@ -97,7 +97,7 @@ fn how_long_a_contact_lasts_and_its_restitution_are_told() {
     let folder = tempfile::tempdir().expect("a folder");
     for seed in 0..10 {
         let mut random = ChaCha8Rng::seed_from_u64(9900 + seed);
-        let contact_s = random.random_range(0.004_f64.ln()..0.15_f64.ln()).exp();
+        let contact_s = random.random_range(0.004_f64.ln()..0.04_f64.ln()).exp();
         let friction = random.random_range(0.005..0.03);
         let damping = random.random_range(0.02..0.15);
         let made = bounced(contact_s, damping, friction, &mut random);
