@@ -18,6 +18,7 @@ pub(super) fn run(arguments: ExportArguments) -> anyhow::Result<Exit> {
             Target::Tum => ExportFormat::Tum,
             Target::Bvh => ExportFormat::Bvh,
             Target::Ros2 => ExportFormat::Ros2,
+            Target::Events => ExportFormat::Events,
         },
         frame_rate_hz: arguments.fps,
         with_acted: arguments.ghost,

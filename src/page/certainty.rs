@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::markup::table;
+use super::markup::{table, with_phase};
 use super::svg::escaped;
 use crate::report::units::{decimals, seconds};
 use crate::report::{AlongLine, EstimateReport};
@@ -18,7 +18,7 @@ pub(super) fn certainty(said: &EstimateReport) -> String {
         let _ = write!(
             rows,
             "<tr><th scope=\"row\"><bdi>{}</bdi></th><td>{} to {}</td>",
-            escaped(&flight.body),
+            escaped(&with_phase(&flight.body, flight.phase.as_deref())),
             seconds(flight.start_s),
             seconds(flight.end_s)
         );

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::input::Page;
 use super::strobe::{Size, Strobe};
 use super::svg::escaped;
-use super::{advice, certainty, checks, events, parameters, residuals, time_map, verdict};
+use super::{advice, certainty, checks, events, impacts, parameters, residuals, time_map, verdict};
 use crate::motion::Timing;
 use crate::report::{EstimateMessage, EstimateReport, ExportProvenance};
 use crate::visual::View;
@@ -70,7 +70,12 @@ pub fn html(page: &Page) -> Result<String, PageError> {
         "What to try next",
         &format!("<ol class=\"next\">{}</ol>", next.collect::<String>()),
     );
-    section(&mut text, "Events", &events::events(report));
+    let happened = [
+        events::events(report),
+        impacts::impacts(report),
+        impacts::forces(report),
+    ];
+    section(&mut text, "Events", &happened.concat());
     section(
         &mut text,
         "How certain the motion is",
@@ -157,7 +162,7 @@ fn residual(page: &Page, said: &EstimateMessage) -> String {
     }
     let cards = residuals::cards(page, said);
     format!(
-        "<p class=\"note\">Flight by flight over physical time, all on one scale; dashed: the root mean square.</p>{cards}"
+        "<p class=\"note\">Flight by flight, and phase by phase, over physical time, all on one scale; dashed: the root mean square.</p>{cards}"
     )
 }
 

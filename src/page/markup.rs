@@ -30,6 +30,11 @@ pub(super) fn shown_in(unit: &str) -> (f64, String) {
     (factor, escaped(unit))
 }
 
+/// A body, with the phase in which it is carried.
+pub(super) fn with_phase(body: &str, phase: Option<&str>) -> String {
+    phase.map_or_else(|| body.to_owned(), |phase| format!("{body}, {phase}"))
+}
+
 /// A number that the report knows.
 pub(super) fn known(number: f64) -> Option<f64> {
     number.is_finite().then_some(number)

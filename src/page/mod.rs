@@ -11,6 +11,7 @@ mod chart;
 mod checks;
 mod events;
 mod html;
+mod impacts;
 mod input;
 mod markup;
 mod parameters;

@@ -6,6 +6,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::chart::{Chart, ChartMark, from_zero};
 use super::input::Page;
+use super::markup::with_phase;
 use super::seen::seen_points;
 use super::svg::escaped;
 use super::theme::class_of_track;
@@ -89,7 +90,7 @@ fn card(
     let mut text = format!(
         "<figure class=\"card\"><figcaption><b><bdi>{}</bdi></b> <span>{} to {}</span><br>{} samples, root mean \
          square {}</figcaption>",
-        escaped(&segment.body),
+        escaped(&with_phase(&segment.body, segment.phase.as_deref())),
         seconds(segment.start_s),
         seconds(segment.end_s),
         segment.samples,

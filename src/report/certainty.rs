@@ -2,17 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::along::{AlongLine, instants_s, rounded};
+use super::motion::phase_name;
 use super::time_map::Time;
 use crate::motion::{ArcEstimate, Estimate, Scene, Stamp, StateDeviation};
 
 /// JSON schema of [`DeviationMessage`].
 pub const DEVIATION_SCHEMA: &str = include_str!("deviation.schema.json");
-
-/// Instants of a flight that count for a line: at equal steps, its ends among them.
-const INSTANTS: usize = 21;
-
-/// Significant digits of a deviation.
-const DIGITS: i32 = 4;
 
 /// How certain one flight is: of each quantity the root of the sum of the variances along three axes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -20,6 +16,8 @@ const DIGITS: i32 = 4;
 pub struct CertaintyLine {
     /// Name of the body.
     pub body: String,
+    /// Name of the phase in which something carries it; none in flight.
+    pub phase: Option<String>,
     /// Physical time at which the flight begins.
     pub start_s: f64,
     /// Physical time at which it ends.
@@ -32,20 +30,6 @@ pub struct CertaintyLine {
     pub velocity_sd_mm_s: AlongLine,
     /// Of its angular velocity.
     pub angular_velocity_sd_rad_s: AlongLine,
-}
-
-/// A deviation along a flight; none where the performance does not determine it all the way.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct AlongLine {
-    /// Half of the time it is less.
-    pub median: Option<f64>,
-    /// The largest.
-    pub largest: Option<f64>,
-    /// At the beginning,
-    pub at_start: Option<f64>,
-    /// and at the end.
-    pub at_end: Option<f64>,
 }
 
 /// How certain a body's pose and velocities are at one instant, axis by axis: one standard deviation.
@@ -126,9 +110,7 @@ pub(super) fn certainty_lines(scene: &Scene, estimate: &Estimate) -> Vec<Certain
 
 impl CertaintyLine {
     fn new(scene: &Scene, estimate: &Estimate, arc: &ArcEstimate) -> Option<Self> {
-        let last = (INSTANTS - 1) as f64;
-        let instants = (0..INSTANTS).map(|step| {
-            let time_s = arc.start_s + (arc.end_s - arc.start_s) * (step as f64 / last);
+        let instants = instants_s(arc).map(|time_s| {
             let deviation = arc.deviation(scene, &estimate.gravity_m_s2, time_s)?;
             Some(deviation.totals())
         });
@@ -139,6 +121,7 @@ impl CertaintyLine {
         };
         Some(Self {
             body: scene.name_of_mechanism(arc.mechanism).to_owned(),
+            phase: phase_name(scene, estimate, arc),
             start_s: arc.start_s,
             end_s: arc.end_s,
             position_sd_mm: along(0, 1e3),
@@ -147,31 +130,4 @@ impl CertaintyLine {
             angular_velocity_sd_rad_s: along(3, 1.0),
         })
     }
-}
-
-impl AlongLine {
-    fn new(sds: Option<Vec<f64>>) -> Self {
-        let Some(sds) = sds else {
-            return Self::default();
-        };
-        let mut sorted = sds.clone();
-        sorted.sort_by(f64::total_cmp);
-        let of = |sds: &[f64], at: usize| sds.get(at).copied().and_then(rounded);
-        let last = sds.len().saturating_sub(1);
-        Self {
-            median: of(&sorted, sorted.len() / 2),
-            largest: of(&sorted, last),
-            at_start: of(&sds, 0),
-            at_end: of(&sds, last),
-        }
-    }
-}
-
-/// To [`DIGITS`] digits; none of what is no number.
-fn rounded(sd: f64) -> Option<f64> {
-    if sd == 0.0 || !sd.is_finite() {
-        return sd.is_finite().then_some(sd);
-    }
-    let text = format!("{sd:.*e}", (DIGITS - 1) as usize);
-    text.parse().ok()
 }

@@ -43,7 +43,7 @@ struct BesideReport {
 pub struct ArcLine {
     /// Name of the body.
     pub body: String,
-    /// Name of the phase in which a surface carries it; none in flight.
+    /// Name of the phase in which something carries it; none in flight.
     pub phase: Option<String>,
     /// When it begins.
     pub start_s: f64,

@@ -13,6 +13,7 @@
 //! bind, a deviation that nothing determines) are `null` in JSON. [`EstimateMessage::read`] reads it back, of any
 //! version.
 
+mod along;
 pub mod certainty;
 pub mod checks;
 pub mod diagnoses;
@@ -21,6 +22,7 @@ pub mod estimate;
 mod fit;
 pub mod goals;
 pub mod held;
+mod impacts;
 pub mod message;
 pub mod motion;
 pub mod plain;
@@ -39,7 +41,8 @@ mod tests;
 pub mod time_map;
 pub mod units;
 
-pub use certainty::{AlongLine, CertaintyLine, DEVIATION_SCHEMA, DeviationMessage};
+pub use along::AlongLine;
+pub use certainty::{CertaintyLine, DEVIATION_SCHEMA, DeviationMessage};
 pub use checks::{BalanceLine, CheckLine, DeviationLine, OverlapLine, ShotLine, TouchLine};
 pub use diagnoses::DiagnosisLine;
 pub use doubts::{DoubtLine, gravest};
@@ -47,6 +50,7 @@ pub use estimate::EstimateReport;
 pub use fit::fit_words;
 pub use goals::GoalLine;
 pub use held::HeldLine;
+pub use impacts::ImpactLine;
 pub use message::{ArcLine, EstimateMessage, REPORT_SCHEMA, json};
 pub use motion::{DurationLine, EventLine, ParameterLine, SegmentLine};
 pub use plain::{brief, plain, plain_json, plain_line, prints};

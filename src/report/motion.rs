@@ -2,12 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::along::{AlongLine, instants_s};
+use super::impacts::{ImpactLine, impact_lines};
 use super::read::{bounds, number, unbounded, unknown};
 use super::reported::Reported;
 use super::samples::Ordered;
 use crate::motion::{
-    ArcEstimate, DurationEstimate, Estimate, EventEstimate, EventKind, LinkIndex, Scene,
-    Undetermined,
+    ArcEstimate, BorneForce, DurationEstimate, Estimate, EventEstimate, EventKind, LinkIndex,
+    Scene, Undetermined,
 };
 
 /// An event as estimated.
@@ -16,7 +18,7 @@ use crate::motion::{
 pub struct EventLine {
     /// Name in the scene.
     pub name: String,
-    /// `start`, `collision` or `end`.
+    /// `start`, `collision`, `change`, `waypoint` or `end`.
     pub kind: String,
     /// Physical time since the first sample.
     #[serde(default = "unknown")]
@@ -41,6 +43,8 @@ pub struct EventLine {
     pub contact_inferred: bool,
     /// Other contacts that are not ruled out where it was, and why they are not.
     pub contact_rivals: Vec<RivalLine>,
+    /// What happens at each contact of a collision.
+    pub impacts: Vec<ImpactLine>,
     /// Largest position gap.
     #[serde(default = "unknown")]
     pub gap_m: f64,
@@ -104,7 +108,7 @@ pub struct ParameterLine {
 pub struct SegmentLine {
     /// Name of the body.
     pub body: String,
-    /// Name of the phase in which a surface carries it; none in flight.
+    /// Name of the phase in which something carries it; none in flight.
     pub phase: Option<String>,
     /// Physical time at which it begins.
     pub start_s: f64,
@@ -116,6 +120,12 @@ pub struct SegmentLine {
     pub residual_mm: Option<f64>,
     /// Root mean square angle.
     pub residual_deg: Option<f64>,
+    /// How hard the surface presses that carries it; none elsewhere.
+    pub normal_n: Option<AlongLine>,
+    /// Friction of that surface; none elsewhere.
+    pub friction_n: Option<AlongLine>,
+    /// Force of the place to which it is tied, or at which it is held still; none elsewhere.
+    pub pivot_n: Option<AlongLine>,
 }
 
 /// How long the motion lasts.
@@ -177,6 +187,7 @@ pub(super) fn event_lines(of: &Reported) -> Vec<EventLine> {
                 contact: scene.contact_words(event.event),
                 contact_inferred: of.inferred.contains(&event.event),
                 contact_rivals: rival_lines(scene, estimate, event.event),
+                impacts: impact_lines(scene, estimate, event),
                 gap_m: event.gap.position_m,
                 gap_rad: event.gap.orientation_rad,
                 gap_m_s: event.gap.velocity_m_s,
@@ -246,14 +257,24 @@ pub(super) fn phase_name(scene: &Scene, estimate: &Estimate, arc: &ArcEstimate) 
 pub(super) fn segment_lines(scene: &Scene, estimate: &Estimate) -> Vec<SegmentLine> {
     let residuals = estimate.residuals.iter();
     let with_arcs = residuals.map(|residual| (residual, &estimate.arcs[residual.arc]));
-    let of_flights = with_arcs.map(|(residual, arc)| SegmentLine {
-        body: scene.tracks[residual.track].name.clone(),
-        phase: phase_name(scene, estimate, arc),
-        start_s: arc.start_s,
-        end_s: arc.end_s,
-        samples: residual.samples,
-        residual_mm: residual.position_rms_m.map(|rms_m| rms_m * 1e3),
-        residual_deg: residual.orientation_rms_rad.map(f64::to_degrees),
+    let of_flights = with_arcs.map(|(residual, arc)| {
+        let forces = arc.borne(scene, &estimate.gravity_m_s2, instants_s(arc));
+        let along = |part: fn(&BorneForce) -> Option<f64>| {
+            let sizes: Option<Vec<f64>> = forces.as_ref()?.iter().map(part).collect();
+            Some(AlongLine::new(Some(sizes?)))
+        };
+        SegmentLine {
+            body: scene.tracks[residual.track].name.clone(),
+            phase: phase_name(scene, estimate, arc),
+            start_s: arc.start_s,
+            end_s: arc.end_s,
+            samples: residual.samples,
+            residual_mm: residual.position_rms_m.map(|rms_m| rms_m * 1e3),
+            residual_deg: residual.orientation_rms_rad.map(f64::to_degrees),
+            normal_n: along(BorneForce::pressing_n),
+            friction_n: along(BorneForce::friction_n),
+            pivot_n: along(BorneForce::pivot_n),
+        }
     });
     let of_trees = estimate.trees.iter().flat_map(|tree| {
         let [start_s, end_s] = tree.span_s();
@@ -265,6 +286,7 @@ pub(super) fn segment_lines(scene: &Scene, estimate: &Estimate) -> Vec<SegmentLi
             samples: residual.samples,
             residual_mm: residual.position_rms_m.map(|rms_m| rms_m * 1e3),
             residual_deg: residual.orientation_rms_rad.map(f64::to_degrees),
+            ..SegmentLine::default()
         })
     });
     of_flights.chain(of_trees).collect()

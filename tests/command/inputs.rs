@@ -47,6 +47,10 @@ const COMMANDS: &[(&str, &[&str])] = &[
         &["take.mcap", "scene.toml"],
     ),
     ("export estimate.mcap --to csv -o OUT", &["estimate.mcap"]),
+    (
+        "export estimate.mcap --to events -o OUT",
+        &["estimate.mcap"],
+    ),
     ("export estimate.mcap --to bvh -o OUT", &["estimate.mcap"]),
     ("export estimate.mcap --to tum -o OUT", &["estimate.mcap"]),
     ("report estimate.mcap -o OUT", &["estimate.mcap"]),

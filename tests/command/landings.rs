@@ -7,6 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 
+use crate::impacts::{assert_change, assert_force};
 use crate::phases::{GRAVITY_M_S2, STEP_S, Samples, assert_within, phase, replayed};
 
 /// A box that flies, lands flat on the level table, slides and rests: flights in closed form, friction in small steps.
@@ -23,6 +24,7 @@ fn thrown(
     let (mut q, mut yaw) = (UnitQuaternion::identity(), yaw_rad_s);
     let mut samples = Samples::default();
     let (mut landed_s, mut still_s) = (None, None);
+    let (mut arriving_m_s, mut landed) = (Vector3::zeros(), 1.0);
     let end_s = 2.0;
     for step in 0..=(end_s / STEP_S).round() as usize {
         let now_s = step as f64 * STEP_S;
@@ -33,6 +35,7 @@ fn thrown(
             landed_s = Some(now_s);
             let both = Vector3::new(v.x, v.y, gyration_m * yaw);
             let left = (1.0 - friction * -v.z / both.norm()).max(0.0);
+            (arriving_m_s, landed) = (v, left);
             v = Vector3::new(v.x * left, v.y * left, 0.0);
             yaw *= left;
             x.z = 0.02;
@@ -57,6 +60,8 @@ fn thrown(
         q = UnitQuaternion::from_scaled_axis(Vector3::z() * (yaw * STEP_S)) * q;
     }
     Thrown {
+        arriving_m_s,
+        left: landed,
         csv: samples.csv,
         landed_s: landed_s.expect("it lands"),
         still_s: still_s.expect("it rests"),
@@ -65,6 +70,9 @@ fn thrown(
 }
 
 struct Thrown {
+    /// Velocity and yaw before the landing, and which share of both friction leaves.
+    arriving_m_s: Vector3<f64>,
+    left: f64,
     csv: String,
     landed_s: f64,
     still_s: f64,
@@ -127,6 +135,8 @@ fn a_box_lands_flat_slides_and_rests() {
         }
         let of = &said["parameters"]["thing.friction"];
         assert_within(of, "value", "sd", friction, 0.02, "friction");
+        assert_landing(&said, &thrown, yaw_rad_s, friction);
+        assert_change(folder.path(), &said, "still", ["sliding", "lying"]);
         // Each piece says what it is, and how certain it is.
         let segments = said["segments"].as_array().expect("segments");
         let names: Vec<_> = segments.iter().map(|of| of["phase"].as_str()).collect();
@@ -137,6 +147,41 @@ fn a_box_lands_flat_slides_and_rests() {
             assert!(sd_mm < 2.0, "{seed}: {along}");
         }
     }
+}
+
+/// The landing and the phases after it, in impulses and forces.
+fn assert_landing(said: &Value, thrown: &Thrown, yaw_rad_s: f64, friction: f64) {
+    const MASS_KG: f64 = 0.17;
+    let impacts = said["events"][1]["impacts"].as_array().expect("impacts");
+    assert_eq!(impacts.len(), 1);
+    let impact = &impacts[0];
+    let v = thrown.arriving_m_s;
+    let lost = 1.0 - thrown.left;
+    let about_kg_m2 = MASS_KG * (0.12_f64.powi(2) + 0.08_f64.powi(2)) / 12.0;
+    let twist = -about_kg_m2 * yaw_rad_s * lost;
+    for (told, truth, most) in [
+        (&impact["approach_m_s"], -v.z, 0.02),
+        (&impact["parting_m_s"], 0.0, 1e-9),
+        (&impact["moment_n_m_s"][2], twist, 5e-5),
+    ] {
+        let told = told.as_f64().expect("a number");
+        assert!((told - truth).abs() < most, "{told} {truth}: {impact}");
+    }
+    for (axis, truth) in [-v.x * lost, -v.y * lost, -v.z].iter().enumerate() {
+        let told = impact["impulse_n_s"][axis].as_f64().expect("a number");
+        assert!((told - MASS_KG * truth).abs() < 0.01, "{truth}: {impact}");
+    }
+    let weight_n = MASS_KG * GRAVITY_M_S2;
+    let [slides, lies] = [1, 2].map(|at| &said["segments"][at]);
+    for phase in [slides, lies] {
+        assert_force(&phase["normal_n"], [weight_n; 2], 1e-3);
+    }
+    assert_force(&lies["friction_n"], [0.0; 2], 1e-9);
+    // Of velocity and yaw friction takes in proportion.
+    let level_m_s = v.x.hypot(v.y);
+    let both_m_s = level_m_s.hypot((about_kg_m2 / MASS_KG).sqrt() * yaw_rad_s);
+    let rubbed_n = friction * weight_n * level_m_s / both_m_s;
+    assert_force(&slides["friction_n"], [rubbed_n; 2], 0.06 * weight_n);
 }
 
 /// Where friction is enough for the speed with which it comes down, a box lies where it lands; where it is not, a rest is

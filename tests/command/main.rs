@@ -4,6 +4,7 @@ mod cli;
 mod deadlines;
 mod golden;
 mod hands;
+mod impacts;
 mod inputs;
 mod landings;
 mod lasting;

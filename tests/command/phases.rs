@@ -10,6 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use serde_json::Value;
 
+use crate::impacts::{assert_change, assert_force};
 use crate::program::enact;
 
 pub(crate) const GRAVITY_M_S2: f64 = 9.80665;
@@ -244,6 +245,18 @@ fn a_ball_slides_then_rolls_and_both_frictions_are_told() {
             0.002,
             "rolling",
         );
+        let weight_n = 0.17 * GRAVITY_M_S2;
+        for (segment, friction, most) in [(0, frictions[0], 0.06), (1, frictions[1], 0.002)] {
+            let of = &said["segments"][segment];
+            assert_force(&of["normal_n"], [weight_n; 2], 1e-3);
+            assert_force(
+                &of["friction_n"],
+                [friction * weight_n; 2],
+                3.0 * most * weight_n,
+            );
+            assert_eq!(of["pivot_n"], Value::Null);
+        }
+        assert_change(folder.path(), &said, "change", ["sliding", "rolling"]);
     }
 }
 

@@ -6,6 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 
+use crate::impacts::assert_force;
 use crate::phases::{GRAVITY_M_S2, STEP_S, Samples, assert_within, replayed};
 use crate::program::enact;
 
@@ -100,6 +101,32 @@ fn caught(
     (samples.csv, end_s)
 }
 
+/// What the nail does to a rod that it catches so, by momentum.
+fn assert_catch(event: &Value, angle: f64, velocity_m_s: Vector3<f64>, rate_rad_s: f64) {
+    let half_m = 0.5 * LENGTH_M;
+    let own_m2 = RADIUS_M * RADIUS_M / 4.0 + LENGTH_M * LENGTH_M / 12.0;
+    let arm = Vector3::new(-angle.sin(), 0.0, -angle.cos()) * half_m;
+    let turn = Vector3::y();
+    let swinging_rad_s =
+        (own_m2 * rate_rad_s + arm.cross(&velocity_m_s).y) / (own_m2 + half_m * half_m);
+    let after = turn.cross(&arm) * swinging_rad_s;
+    let impulse = (after - velocity_m_s) * 0.12;
+    let end = velocity_m_s - turn.cross(&arm) * rate_rad_s;
+    let impact = &event["impacts"][0];
+    let told = |name: &str, axis: usize| impact[name][axis].as_f64().expect("a number");
+    for axis in 0..3 {
+        let off_n_s = (told("impulse_n_s", axis) - impulse[axis]).abs();
+        assert!(off_n_s < 0.005, "{off_n_s} of {impulse}: {impact}");
+        let off_m = (told("point_m", axis) - NAIL_M[axis]).abs();
+        assert!(off_m < 1e-6, "{impact}");
+        assert!(told("moment_n_m_s", axis).abs() < 2e-3, "{impact}");
+    }
+    assert!(told("moment_n_m_s", 1).abs() < 1e-9, "{impact}");
+    let approach = impact["approach_m_s"].as_f64().expect("a number");
+    assert!((approach - end.norm()).abs() < 0.05, "{end}: {impact}");
+    assert_eq!(impact["contact"], "nail");
+}
+
 fn answer(tie: &str, csv: &str, [mark_s, end_s]: [f64; 2]) -> Value {
     let folder = tempfile::tempdir().expect("a folder");
     let marks = [(0.0, "go"), (mark_s, "let go"), (end_s - 0.01, "end")];
@@ -128,6 +155,18 @@ fn the_moment_in_which_a_pendulum_is_let_go_is_told() {
         let event = let_go(&said);
         assert_within(event, "time_s", "time_sd_s", let_go_s, 2e-3, "let go");
         assert_eq!(said["segments"][0]["phase"], "nail");
+        // From the swing's own equation: the nail carries the weight and keeps the middle on its circle.
+        let half_m = 0.5 * LENGTH_M;
+        let about_m2 = RADIUS_M * RADIUS_M / 4.0 + LENGTH_M * LENGTH_M / 3.0;
+        let slowed_rad_s2 = -GRAVITY_M_S2 * half_m * angle.sin() / about_m2;
+        let (along, inward) = (half_m * slowed_rad_s2, half_m * rate_rad_s * rate_rad_s);
+        let level_m_s2 = inward * angle.sin() - along * angle.cos();
+        let up_m_s2 = along * angle.sin() + inward * angle.cos() + GRAVITY_M_S2;
+        let borne_n = 0.12 * level_m_s2.hypot(up_m_s2);
+        let told_n = said["segments"][0]["pivot_n"]["at_start"].as_f64();
+        let off_n = (told_n.expect("a force") - borne_n).abs();
+        assert!(off_n < 0.05, "{off_n} of {borne_n} N");
+        assert_eq!(said["segments"][1]["pivot_n"], Value::Null);
         assert_eq!(said["segments"][1]["phase"], Value::Null);
     }
 }
@@ -140,6 +179,8 @@ fn what_is_held_still_falls_from_the_moment_in_which_it_is_let_go() {
     assert_eq!(said["verdict"], "physical", "{said}");
     assert_eq!(said["fits"], "yes", "{said}");
     assert_within(let_go(&said), "time_s", "time_sd_s", 0.5, 2e-3, "let go");
+    let weight_n = 0.12 * GRAVITY_M_S2;
+    assert_force(&said["segments"][0]["pivot_n"], [weight_n; 2], 1e-3);
     // It moved until then.
     let (csv, end_s) = made(0.6, 2.0, 0.5, false, 9511);
     let said = answer(held, &csv, [0.53, end_s]);
@@ -163,6 +204,7 @@ fn a_nail_catches_what_flies_and_leaves_its_turning_about_it() {
         assert_eq!(said["fits"], "yes", "{said}");
         let event = let_go(&said);
         assert_within(event, "time_s", "time_sd_s", caught_s, 2e-3, "caught");
+        assert_catch(event, angle, velocity_m_s, rate_rad_s);
         // Held still, it would not swing.
         let held = "[[phase]]\nname = \"held\"\nmotion = \"rest\"\nbody = \"rod\"\nfrom = \"let go\"\nuntil = \"end\"\n";
         let said = answer(held, &csv, [mark_s, end_s]);

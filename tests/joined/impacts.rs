@@ -7,6 +7,7 @@ use enact::verify;
 use enact_tools::replay::Program;
 use enact_tools::tree_impacts::{Acted, Form, Strike, Struck, strike};
 use enact_tools::trees::Jointed;
+use nalgebra::Vector3;
 use tempfile::TempDir;
 
 const ENACT: Program = Program(env!("CARGO_BIN_EXE_enact"));
@@ -71,13 +72,13 @@ fn rough_sketches_bounce_by_the_law() {
             for goal in strike.scene.goals_attained(estimate) {
                 assert!(goal.is_met(), "{kind:?} {seed}: {goal:?}");
             }
-            bounces(&strike, estimate);
+            bounces(&strike, estimate, kind.hangs_m.is_none());
         }
     }
     assert!(physical >= 14, "{physical} of 16");
 }
 
-fn bounces(strike: &Strike, estimate: &Estimate) {
+fn bounces(strike: &Strike, estimate: &Estimate, is_free: bool) {
     let (_, joined) = strike.scene.joint_trees().next().expect("a tree");
     let tree = strike.scene.tree_model(joined);
     let knots = &estimate.trees[0].knots;
@@ -104,10 +105,16 @@ fn bounces(strike: &Strike, estimate: &Estimate) {
             let lever_m = snapshot.point(place, &point_m) - state.position_m;
             let spin = state.orientation * state.angular_velocity_rad_s;
             let speed_m_s = (state.velocity_m_s + spin.cross(&lever_m)).z;
+            let links = joined.links().enumerate();
+            let momenta = links.map(|(place, link)| {
+                let mass_kg = strike.scene.links[link].body.mass_kg();
+                snapshot.link_state(place).velocity_m_s * mass_kg
+            });
             (
                 snapshot.point(place, &point_m).z,
                 speed_m_s,
                 snapshot.energy(0.0),
+                momenta.sum::<Vector3<f64>>(),
             )
         });
         let [before, after] = both;
@@ -117,6 +124,18 @@ fn bounces(strike: &Strike, estimate: &Estimate) {
             "{both:?}"
         );
         assert!(after.2 < before.2, "{both:?}");
+        let knocks = estimate.knocks(&strike.scene, event);
+        assert_eq!(knocks.len(), 1);
+        assert!(
+            (knocks[0].approach_m_s() + before.1).abs() < 1e-6,
+            "{knocks:?}"
+        );
+        assert!(
+            (knocks[0].parting_m_s() - after.1).abs() < 1e-6,
+            "{knocks:?}"
+        );
+        let off = (after.3 - before.3 - knocks[0].impulse_n_s).norm();
+        assert!(!is_free || off < 1e-7, "{off} of {knocks:?}");
     }
     assert!(pairs.next().is_none());
 }

@@ -113,15 +113,17 @@ fn meets(scene: &Scene, estimate: &Estimate) {
             at.normal.dot(&(of.velocity_m_s + of.orientation * spin))
         };
         let speed_m_s = speed(&a, &at.on_a_m) - speed(&b, &at.on_b_m);
-        let (mut energy_j, mut momentum) = (0.0, Vector3::zeros());
+        let (mut energy_j, mut momenta) = (0.0, [Vector3::zeros(); 2]);
+        let of_a = scene.mechanism_of(scene.forest_links().nth(touch.at.place).expect("A"));
         for (place, link) in scene.forest_links().enumerate() {
             let (body, of) = (&scene.links[link].body, snapshot.link_state(place));
             let spin = of.angular_velocity_rad_s;
             let turning = spin.component_mul(&body.moments_kg_m2()).dot(&spin);
             energy_j += 0.5 * (body.mass_kg() * of.velocity_m_s.norm_squared() + turning);
-            momentum += of.velocity_m_s * body.mass_kg();
+            let side = usize::from(scene.mechanism_of(link) != of_a);
+            momenta[side] += of.velocity_m_s * body.mass_kg();
         }
-        (at.gap_m, speed_m_s, energy_j, momentum)
+        (at.gap_m, speed_m_s, energy_j, momenta)
     });
     let [was, is] = both;
     assert!(was.0.abs() < 1e-6 && is.0.abs() < 1e-6, "{both:?}");
@@ -131,7 +133,25 @@ fn meets(scene: &Scene, estimate: &Estimate) {
     );
     assert!(is.2 < was.2, "{both:?}");
     if forest.trees().iter().all(|tree| tree.is_free()) {
-        assert!((is.3 - was.3).norm() < 1e-9, "{both:?}");
+        let all = [is.3, was.3].map(|of| of[0] + of[1]);
+        assert!((all[0] - all[1]).norm() < 1e-9, "{both:?}");
+    }
+    // What is told of it is what both sides do; what hangs from the world gives some of it there.
+    let mut events = estimate.events.iter();
+    let event = events.find(|event| event.time_s == time_s).expect("it");
+    let knocks = estimate.knocks(scene, event);
+    assert_eq!(knocks.len(), 1);
+    assert!(
+        (knocks[0].approach_m_s() + was.1).abs() < 1e-6,
+        "{knocks:?}"
+    );
+    assert!((knocks[0].parting_m_s() - is.1).abs() < 1e-6, "{knocks:?}");
+    let of_a = forest.tree_of(touch.at.place).0;
+    for (tree, of) in forest.trees().iter().enumerate() {
+        let (side, sign) = if tree == of_a { (0, 1.0) } else { (1, -1.0) };
+        let gained = (is.3[side] - was.3[side]) * sign;
+        let off = (gained - knocks[0].impulse_n_s).norm();
+        assert!(!of.is_free() || off < 1e-7, "{off} of {gained}");
     }
 }
 

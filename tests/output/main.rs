@@ -2,6 +2,7 @@
 
 mod certainty;
 mod files;
+mod impacts;
 mod predict;
 mod problem;
 #[path = "../support/program.rs"]

@@ -22,7 +22,7 @@ pub(in crate::cli) struct ExportArguments {
     /// What is made of it
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(in crate::cli) to: Target,
-    /// The file; - for stdout [default: IN with .glb, .csv, .tum, .bvh or .ros2.mcap]
+    /// The file; - for stdout [default: IN with .glb, .csv, .tum, .bvh, .ros2.mcap or .events.csv]
     #[arg(short, long, value_name = "FILE")]
     pub(in crate::cli) output: Option<PathBuf>,
     /// Frames a second; events, beginnings and ends have keys beside them
@@ -51,6 +51,8 @@ pub(in crate::cli) enum Target {
     Bvh,
     /// A recording of ROS 2's profile with the estimate alone: PoseStamped, TFMessage, URDF
     Ros2,
+    /// A table of events: a row per contact of a collision, with place, speeds and impulse
+    Events,
 }
 
 /// Arguments of `report`.

@@ -59,6 +59,16 @@ impl TreeEstimate {
         })
     }
 
+    /// The state at a time within the motion before what happens then: the first of two states at that time.
+    pub fn state_before(&self, tree: &Tree, gravity_m_s2: &Vector3<f64>, time_s: f64) -> TreeState {
+        let mut there = self.knots.iter();
+        let there = there.find(|knot| knot.time_s == time_s);
+        there.map_or_else(
+            || self.state(tree, gravity_m_s2, time_s),
+            |knot| knot.state.clone(),
+        )
+    }
+
     /// The state at a time within the motion: what the flow leads to from the last knot before it.
     pub fn state(&self, tree: &Tree, gravity_m_s2: &Vector3<f64>, time_s: f64) -> TreeState {
         let after = self.knots.partition_point(|knot| knot.time_s <= time_s);

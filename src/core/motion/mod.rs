@@ -4,6 +4,7 @@
 //! is said of it ([`diagnosis`]), its continuation ([`settled`]) and how it ends ([`rest`]), free flights in a path
 //! ([`mod@fall`]), and the observer of a run ([`observe`]).
 
+mod borne;
 pub mod certainty;
 pub mod contact_rival;
 pub mod diagnosis;
@@ -17,6 +18,7 @@ pub mod index;
 pub mod joined;
 mod keyframe;
 pub mod keyframes;
+mod knocks;
 pub mod observe;
 pub mod open;
 mod open_times;
@@ -36,6 +38,7 @@ pub mod time_map;
 pub mod verdict;
 pub mod verification;
 
+pub use borne::BorneForce;
 pub use certainty::{FlightCertainty, FlightChange, StateDeviation, Variance};
 pub use contact_rival::{ContactRival, Standing};
 pub use diagnosis::{

@@ -42,7 +42,13 @@ fn message() -> EstimateMessage {
     report.doubts = vec![DoubtLine::default()];
     report.diagnoses = vec![DiagnosisLine::default()];
     report.goals = vec![GoalLine::default()];
-    report.segments.push(SegmentLine::default());
+    report.segments.push(SegmentLine {
+        normal_n: Some(AlongLine::default()),
+        friction_n: Some(AlongLine::default()),
+        pivot_n: Some(AlongLine::default()),
+        ..SegmentLine::default()
+    });
+    assert_eq!(report.events[0].impacts.len(), 1);
     report.held = vec![HeldLine::default()];
     report.verification = Some(CheckLine {
         deepest: Some(OverlapLine::default()),

@@ -11,7 +11,7 @@ use super::super::read_back::ReadBack;
 use super::job::{ExportFormat, ExportJob, Exported};
 use crate::ingest::is_pipe;
 use crate::report::{ExportProvenance, prints};
-use crate::write::export::{ExportedBody, bvh, csv, glb, ros2, tum};
+use crate::write::export::{ExportedBody, bvh, csv, events_csv, glb, ros2, tum};
 
 /// Files by what is added to the name; one without an addition keeps it.
 pub(super) fn files(
@@ -49,6 +49,10 @@ pub(super) fn files(
         }
         ExportFormat::Bvh => {
             let text = bvh(scene, bodies, motion.zero, job.frame_rate_hz);
+            vec![(String::new(), text.into_bytes())]
+        }
+        ExportFormat::Events => {
+            let text = events_csv(motion, provenance)?;
             vec![(String::new(), text.into_bytes())]
         }
         ExportFormat::Ros2 => {

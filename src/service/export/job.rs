@@ -17,6 +17,8 @@ pub enum ExportFormat {
     Bvh,
     /// A recording of ROS 2's profile.
     Ros2,
+    /// A table of events.
+    Events,
 }
 
 impl ExportFormat {
@@ -28,6 +30,7 @@ impl ExportFormat {
             Self::Tum => "tum",
             Self::Bvh => "bvh",
             Self::Ros2 => "ros2.mcap",
+            Self::Events => "events.csv",
         }
     }
 }

@@ -93,7 +93,7 @@ pub fn tum(keys: &[Key], provenance: &ExportProvenance) -> String {
 }
 
 /// Lines for people that readers of tables leave out.
-fn comment(of: &ExportProvenance) -> String {
+pub(super) fn comment(of: &ExportProvenance) -> String {
     let lines = of.lines().into_iter();
     lines.map(|line| format!("# {line}\n")).collect()
 }

@@ -113,18 +113,42 @@ impl Scene {
         forest: &Forest,
         time_s: f64,
     ) -> Option<TreeState> {
+        self.forest_beside(estimate, forest, time_s, true)
+    }
+
+    /// The same before what happens then.
+    pub fn forest_state_before(
+        &self,
+        estimate: &Estimate,
+        forest: &Forest,
+        time_s: f64,
+    ) -> Option<TreeState> {
+        self.forest_beside(estimate, forest, time_s, false)
+    }
+
+    fn forest_beside(
+        &self,
+        estimate: &Estimate,
+        forest: &Forest,
+        time_s: f64,
+        is_after: bool,
+    ) -> Option<TreeState> {
         let gravity_m_s2 = &estimate.gravity_m_s2;
         let all = self.moving().zip(forest.trees());
         let parts = all.map(|((mechanism, of), tree)| match of {
             Mechanism::Free(_) => {
                 let arcs = estimate.arcs.iter();
                 let mut own = arcs.filter(|arc| arc.mechanism == mechanism);
-                let arc = own.rfind(|arc| arc.start_s <= time_s)?;
+                let arc =
+                    own.rfind(|arc| arc.start_s < time_s || (is_after && arc.start_s == time_s))?;
                 Some(TreeState::of_body(&self.flown(arc, gravity_m_s2, time_s)))
             }
             Mechanism::Tree(_) => {
                 let motion = estimate.tree_motion(mechanism)?;
-                Some(motion.state(tree, gravity_m_s2, time_s))
+                Some(match is_after {
+                    true => motion.state(tree, gravity_m_s2, time_s),
+                    false => motion.state_before(tree, gravity_m_s2, time_s),
+                })
             }
             Mechanism::Apart(_) => None,
         });

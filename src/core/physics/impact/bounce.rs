@@ -3,6 +3,7 @@
 use super::contact_set::ContactSet;
 use super::derivative::ImpactDerivative;
 use super::error::ImpactError;
+use super::knock::Knock;
 use super::law::{Impact, Law, Side};
 use super::model::ImpactByModel;
 use super::plane;
@@ -17,6 +18,14 @@ impl ContactSet {
     pub fn impact(&self, a: &Side, b: Option<&Side>, law: &Law) -> Result<Impact, ImpactError> {
         self.check_law(law);
         Ok(ImpactSolution::new(self, a, b, law)?.impact())
+    }
+
+    /// What happens at each contact of [`ContactSet::impact`]; of a face that lands flat with friction, all of it as one.
+    ///
+    /// Fails and panics as that does.
+    pub fn knocks(&self, a: &Side, b: Option<&Side>, law: &Law) -> Result<Vec<Knock>, ImpactError> {
+        self.check_law(law);
+        Ok(ImpactSolution::new(self, a, b, law)?.knocks())
     }
 
     /// [`ContactSet::impact`] with its derivatives, into `derivative`. Only entries for existing

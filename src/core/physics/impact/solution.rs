@@ -159,12 +159,34 @@ impl<'a> ImpactSolution<'a> {
             self.frames[0].orientation * state.touch.on_a_m
         });
         let normal = self.states().next().expect("three contacts").normal;
+        let [momentum, turned] = self.gained(after);
+        landing::pressing(&points_m, &normal, &momentum, &turned)
+    }
+
+    /// What A gains of momentum [N s], and of angular momentum about its centre of mass [N m s, world].
+    pub(super) fn gained(&self, after: &Velocities) -> [Vector3<f64>; 2] {
         let [before, _] = &self.before;
         let inertia = self.rows.of_a();
-        let momentum = (after.velocity_m_s - before.velocity_m_s) / inertia.mass_per_kg;
         let spun = after.angular_velocity_rad_s - before.angular_velocity_rad_s;
-        let turned = self.frames[0].orientation * spun.component_div(&inertia.moments_per_kg_m2);
-        landing::pressing(&points_m, &normal, &momentum, &turned)
+        [
+            (after.velocity_m_s - before.velocity_m_s) / inertia.mass_per_kg,
+            self.frames[0].orientation * spun.component_div(&inertia.moments_per_kg_m2),
+        ]
+    }
+
+    /// Impulse on A at a contact [N s, world]; of a flat landing its part along the normal.
+    pub(super) fn impulse_at(
+        &self,
+        contact: usize,
+        state: &ContactState,
+        impact: &Impact,
+    ) -> Vector3<f64> {
+        match &self.solved {
+            SolvedContact::Coulomb(_) => self.impulses,
+            SolvedContact::Newton(_) | SolvedContact::Landing(_) => {
+                state.normal * impact.normal_impulses_n_s[contact]
+            }
+        }
     }
 
     /// Changes of the impulses with the poses; `normals` are the changes of the tilted normals.

@@ -10,6 +10,7 @@ use crate::physics::state::{State, StateTangent};
 
 mod derivatives;
 mod held;
+mod knocks;
 mod model;
 
 /// Number of random draws after which a suitable case must have occurred.

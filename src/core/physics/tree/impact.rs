@@ -21,7 +21,7 @@ use self::rule::Rule;
 use super::forest::snapshot::ForestSnapshot;
 use super::state::TreeState;
 use crate::physics::contact::{Contact, Frame, Touch};
-use crate::physics::impact::{ContactSet, ImpactError, Law, tilted};
+use crate::physics::impact::{ContactSet, ImpactError, Knock, Law, tilted};
 
 /// What touches: A is a link, B another one or the static world.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,6 +88,13 @@ impl ForestSnapshot<'_> {
         law: &Law,
     ) -> Result<TreeImpact, ImpactError> {
         Ok(self.solved(contact, law)?.impact(state))
+    }
+
+    /// What happens at each contact of an impact where the trees are set to the state before it.
+    ///
+    /// Fails and panics as [`ForestSnapshot::impact`] does.
+    pub fn knocks(&self, contact: &LinkContact, law: &Law) -> Result<Vec<Knock>, ImpactError> {
+        Ok(self.solved(contact, law)?.knocks())
     }
 
     /// Kinetic energy of the trees that take part \[J\].
@@ -199,6 +206,22 @@ impl ForestSnapshot<'_> {
 }
 
 impl SolvedImpulses {
+    fn knocks(&self) -> Vec<Knock> {
+        let gained_m_s = thirds(&(&self.delassus * &self.impulses_n_s));
+        let impulses_n_s = thirds(&self.impulses_n_s);
+        let knocks = self.met.iter().enumerate().map(|(at, met)| {
+            let arm_m = self.frames[0].orientation * met.touch.on_a_m;
+            Knock {
+                point_m: self.frames[0].position_m + arm_m,
+                normal: met.normal,
+                velocities_m_s: [met.velocity_m_s, met.velocity_m_s + gained_m_s[at]],
+                impulse_n_s: impulses_n_s[at],
+                moment_n_m_s: Vector3::zeros(),
+            }
+        });
+        knocks.collect()
+    }
+
     fn impact(&self, state: &TreeState) -> TreeImpact {
         let changes = &self.response * &self.impulses_n_s;
         let rates = state.rates.iter().zip(changes.iter());
