@@ -358,7 +358,7 @@ fn pressed<'a>(
     let mechanism = scene.mechanism_of(link);
     let mut arcs = estimate.arcs.iter();
     let after = arcs.find(|of| of.mechanism == mechanism && of.start_s == event.left_s())?;
-    let touching = scene.touching(estimate, event, link)?;
+    let touching = estimate.arriving(scene, link, event.time_s)?;
     let left = scene.flown(after, &estimate.gravity_m_s2, event.left_s());
     Some(FramedPiece::Pressed(Box::new(PressedPiece {
         touch_s: event.time_s,

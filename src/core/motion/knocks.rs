@@ -60,6 +60,10 @@ impl Estimate {
         };
         let b = other.as_ref().map(|(link, state)| side(*link, state));
         let (a, law) = (side(collision.link, &state), scene.impact_law(collision));
+        // Of a contact that lasts, all that it does meanwhile.
+        let closing_m_s = scene.closing_m_s(self, event)?;
+        let pressed = scene.pressed(self, event, collision.link, closing_m_s);
+        let law = pressed.map_or(law, |pressed| pressed.law(&law));
         contacts.knocks(&a, b.as_ref(), &law).ok()
     }
 
@@ -111,8 +115,8 @@ impl Estimate {
         })
     }
 
-    /// The state in which a body by itself arrives at an event.
-    fn arriving(&self, scene: &Scene, link: LinkIndex, time_s: f64) -> Option<State> {
+    /// The state in which a body by itself arrives at an event; `None` where it does not.
+    pub fn arriving(&self, scene: &Scene, link: LinkIndex, time_s: f64) -> Option<State> {
         if let Some(held) = self.held_motion(link) {
             return Some(held.state(time_s));
         }

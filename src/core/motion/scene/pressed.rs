@@ -79,20 +79,4 @@ impl Scene {
         let impact = contacts.impact(sides.first()?, sides.get(1), &law).ok()?;
         Some(impact.speeds_m_s[0])
     }
-
-    /// The state of a link as it touches something at an event.
-    pub fn touching(
-        &self,
-        estimate: &Estimate,
-        event: &EventEstimate,
-        link: LinkIndex,
-    ) -> Option<State> {
-        if let Some(held) = estimate.held_motion(link) {
-            return Some(held.state(event.time_s));
-        }
-        let mechanism = self.mechanism_of(link);
-        let mut arcs = estimate.arcs.iter();
-        let before = arcs.find(|of| of.mechanism == mechanism && of.end_s == event.time_s)?;
-        Some(self.flown(before, &estimate.gravity_m_s2, event.time_s))
-    }
 }
