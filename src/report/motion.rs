@@ -201,7 +201,7 @@ fn leaning_line(scene: &Scene, event: &EventEstimate) -> Option<LeaningLine> {
     let leaning = event.leaning?;
     let is_more = event.sd_s.is_some_and(|sd_s| leaning.later_s.abs() > sd_s);
     // A guess at the end of what is physical is wrong to the other side.
-    let [lower, upper] = leaning.quantity.limits();
+    let [lower, upper] = scene.limits_of(leaning.quantity);
     let up = leaning.value + leaning.change;
     let (other, sign) = match (lower..=upper).contains(&up) {
         true => (up, 1.0),

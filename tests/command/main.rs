@@ -8,6 +8,7 @@ mod impacts;
 mod inputs;
 mod landings;
 mod lasting;
+mod laws;
 mod phases;
 mod pivots;
 #[path = "../support/program.rs"]

@@ -69,6 +69,7 @@ fn without_contact(event: &RawEvent, kind: EventKind) -> Result<EventKind, Fault
             event.other_feature.as_ref().map(Spanned::span),
         ),
         ("restitution", event.restitution.as_ref().map(Spanned::span)),
+        ("bumper", event.bumper.as_ref().map(Spanned::span)),
         ("friction", event.friction.as_ref().map(Spanned::span)),
         ("count", event.count.as_ref().map(Spanned::span)),
     ] {

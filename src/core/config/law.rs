@@ -38,7 +38,7 @@ pub(super) fn of_bodies(raw: &[Spanned<RawBody>], laws: &mut Laws) -> Result<Bod
             return Ok(None);
         };
         let name = body.name.get_ref();
-        let law = law(name, restitution, body.friction.as_ref())?;
+        let law = law(name, restitution, body.friction.as_ref(), false)?;
         let sd = |what: &str, number: &Option<Number>| match number {
             None => Ok(0.0),
             Some(number) => within(what, number, 1.0),
@@ -62,6 +62,12 @@ pub(super) fn of_event(
     laws: &mut Laws,
 ) -> Result<ContactLawIndex, Fault> {
     let event = spanned.get_ref();
+    if let (Some(bumper), None) = (&event.bumper, &event.restitution) {
+        return fault(
+            bumper.span(),
+            "a bumper without a restitution, expected the event's own beside it",
+        );
+    }
     let of_bodies: Vec<ContactLawIndex> = collision.links().filter_map(|l| of_links[l]).collect();
     let found = match (&event.restitution, &event.friction, of_bodies.as_slice()) {
         (Some(restitution), friction, bodies) => {
@@ -86,7 +92,8 @@ pub(super) fn of_event(
                     ),
                 );
             }
-            laws.push_and_get_key(law(name, restitution, friction.as_ref())?)
+            let is_bumper = event.bumper.as_ref().is_some_and(|of| *of.get_ref());
+            laws.push_and_get_key(law(name, restitution, friction.as_ref(), is_bumper)?)
         }
         (None, Some(friction), [_, ..]) => {
             return fault(
@@ -114,14 +121,32 @@ pub(super) fn of_event(
     Ok(found)
 }
 
-fn law(name: &str, restitution: &Number, friction: Option<&Number>) -> Result<ContactLaw, Fault> {
-    let restitution = within("restitution", restitution, 1.0)?;
+fn law(
+    name: &str,
+    restitution: &Number,
+    friction: Option<&Number>,
+    is_bumper: bool,
+) -> Result<ContactLaw, Fault> {
+    let law = ContactLaw {
+        is_bumper,
+        ..ContactLaw::frictionless(name, *restitution.get_ref())
+    };
+    if law.restitution > 1.0 && !is_bumper {
+        return fault(
+            restitution.span(),
+            format!(
+                "restitution is {}, expected 0 to 1: of an event at which something gives energy say bumper = true beside its own restitution",
+                law.restitution
+            ),
+        );
+    }
+    within("restitution", restitution, law.most_restitution())?;
     Ok(ContactLaw {
         friction: match friction {
             None => 0.0,
             Some(number) => within("friction", number, FRICTION_MAX)?,
         },
-        ..ContactLaw::frictionless(name, restitution)
+        ..law
     })
 }
 

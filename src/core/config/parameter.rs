@@ -85,7 +85,7 @@ fn parameter(free: &RawFree, scene: &Scene) -> Result<FreeParameter, Fault> {
     let name = free.quantity.get_ref();
     let quantity = named(name, free.quantity.span(), scene)?;
     let unit = Unit::of(quantity);
-    let widest = quantity.limits();
+    let widest = scene.limits_of(quantity);
     let RawFree {
         initial,
         lower,

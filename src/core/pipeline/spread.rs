@@ -81,11 +81,10 @@ fn laws(scene: &Scene) -> Vec<ContactLaw> {
     for link in &scene.links {
         if laws.iter().all(|law| law.name != link.name) {
             laws.push(ContactLaw {
-                name: link.name.clone(),
-                restitution: RESTITUTION,
                 friction: FRICTION,
                 restitution_sd: RESTITUTION_SD,
                 friction_sd: FRICTION_SD,
+                ..ContactLaw::frictionless(link.name.clone(), RESTITUTION)
             });
         }
     }
@@ -101,7 +100,7 @@ fn other(law: &ContactLaw, random: &mut Random) -> ContactLaw {
         false => law.friction,
     };
     ContactLaw {
-        restitution: restitution.clamp(0.0, 1.0),
+        restitution: restitution.clamp(0.0, law.most_restitution()),
         friction,
         ..law.clone()
     }

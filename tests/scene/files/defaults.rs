@@ -64,6 +64,7 @@ name = "again"
 kind = "collision"
 body = "cube"
 surface = "table"
+restitution = 0.4
 # again
 [[event]]
 name = "through"
@@ -171,6 +172,7 @@ const KEYS: &[(&str, &str, Option<&str>, &str, &str)] = &[
     ("[capture]", "listen", None, "\"0.0.0.0\"", "[capture]"),
     ("[capture]", "pre_roll_s", None, "2", "[capture]"),
     ("[capture]", "sync_ms", None, "500", "[capture]"),
+    ("[[event]]", "bumper", None, "true", "again"),
     ("[[event]]", "count", None, "[1, 2]", "again"),
     ("[[goal]]", "after", None, "true", "spin"),
     ("[[goal]]", "at_rest", None, "true", "velocity"),

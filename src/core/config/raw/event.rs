@@ -39,6 +39,9 @@ pub(in crate::config) struct RawEvent {
     pub(in crate::config) other_feature: Option<Text>,
     /// Coefficient of restitution. Default: that of the body.
     pub(in crate::config) restitution: Option<Number>,
+    /// Whether what is hit gives energy, as a pinball's bumper does: its `restitution` may exceed 1. Default:
+    /// false.
+    pub(in crate::config) bumper: Option<Spanned<bool>>,
     /// Coefficient of friction. Default: that of the body, or none.
     pub(in crate::config) friction: Option<Number>,
     /// How many collisions it stands for: a number, or the least and the greatest. Default: 1.

@@ -29,11 +29,10 @@ fn impacts_of_a_body_share_its_law() {
     );
     let scene = scene_from_toml(&text).unwrap();
     let law = ContactLaw {
-        name: "pencil".to_owned(),
-        restitution: 0.7,
         friction: 0.2,
         restitution_sd: 0.1,
         friction_sd: 0.05,
+        ..ContactLaw::frictionless("pencil", 0.7)
     };
     assert_eq!(laws_of(&scene), [&law, &law]);
     assert_eq!(scene.contact_laws.len(), 1);
@@ -66,6 +65,50 @@ fn an_event_may_have_a_law_of_its_own() {
     let law = ContactLawIndex(1);
     assert_eq!(scene.parameters[1].quantity, Quantity::Friction { law });
     assert_eq!(scene.parameters[1].initial, 0.1);
+}
+
+#[test]
+fn a_bumper_is_one_event_that_says_so() {
+    let own = |own: &str| shared("restitution = 0.7", own);
+    let scene = scene_from_toml(&own("restitution = 1.4\nbumper = true\n")).unwrap();
+    let bumper = ContactLaw {
+        is_bumper: true,
+        ..ContactLaw::frictionless("again", 1.4)
+    };
+    let body = ContactLaw::frictionless("pencil", 0.7);
+    assert_eq!(laws_of(&scene), [&body, &bumper]);
+    let limits = |law| scene.limits_of(Quantity::Restitution { law });
+    let both = [0, 1].map(|law| limits(ContactLawIndex(law)));
+    assert_eq!(both, [[0.0, 1.0], [0.0, 10.0]]);
+    let freed = own("restitution = 1.4\nbumper = true\n")
+        + "\n[[free]]\nquantity = \"again.restitution\"\n";
+    let scene = scene_from_toml(&(freed.clone() + "upper = 2\n")).unwrap();
+    let last = scene.parameters.last().unwrap();
+    assert_eq!((last.initial, last.lower, last.upper), (1.4, 0.0, 2.0));
+    assert!(scene_from_toml(&(freed.clone() + "upper = 11\n")).is_err());
+    assert!(scene_from_toml(&freed.replace("bumper = true", "bumper = false")).is_err());
+    for (own_keys, at, said) in [
+        ("restitution = 1.4\n", "1.4", "say bumper = true beside"),
+        (
+            "restitution = 1.4\nbumper = false\n",
+            "1.4",
+            "say bumper = true beside",
+        ),
+        (
+            "restitution = 14\nbumper = true\n",
+            "14",
+            "expected 0 to 10",
+        ),
+        ("bumper = true\n", "true", "a bumper without a restitution"),
+    ] {
+        refused(&own(own_keys), 46, at, said);
+    }
+    refused(
+        &shared("restitution = 1.4", ""),
+        15,
+        "1.4",
+        "say bumper = true beside",
+    );
 }
 
 #[test]

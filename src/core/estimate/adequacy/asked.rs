@@ -38,7 +38,7 @@ fn kept(scene: &Scene, strayed: Strayed, is_tried: bool, quantity: Quantity) -> 
             true => DRIFT,
             false => 0.0,
         },
-        room: quantity.limits().map(|limit| limit - given),
+        room: scene.limits_of(quantity).map(|limit| limit - given),
         // What sticks does so with any more friction.
         tried_from: (is_tried && matches!(quantity, Quantity::Friction { .. })).then_some(-given),
     }
@@ -194,7 +194,7 @@ impl Asked<'_> {
     fn suspects(&self, judgement: &Judgement) -> Vec<Suspect> {
         let each = judgement.wrong.iter().map(|wrong| {
             let quantity = self.quantities[wrong.index];
-            let [lower, upper] = quantity.limits();
+            let [lower, upper] = self.scene.limits_of(quantity);
             let value = (self.scene.value_of(quantity) + wrong.change).clamp(lower, upper);
             Suspect {
                 values: vec![(quantity, value)],

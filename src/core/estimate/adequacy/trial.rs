@@ -41,7 +41,7 @@ impl Trials for BodyTrials<'_> {
             performance,
         } = self;
         let scene = performance.scene;
-        let [lower, upper] = quantity.limits();
+        let [lower, upper] = scene.limits_of(quantity);
         let given = scene.value_of(quantity);
         let from = (given + near.change).clamp(lower, upper);
         let wider = Wider::new(context, *performance, vec![scene.freed(quantity, from)]);

@@ -163,7 +163,7 @@ impl Scene {
     /// A parameter that frees a quantity from a value on: with the quantity's name, within what is
     /// physical, without a prior.
     pub fn freed(&self, quantity: Quantity, initial: f64) -> FreeParameter {
-        let [lower, upper] = quantity.limits();
+        let [lower, upper] = self.limits_of(quantity);
         FreeParameter {
             name: self.name_of_quantity(quantity),
             quantity,
@@ -171,6 +171,14 @@ impl Scene {
             lower,
             upper,
             prior_sd: None,
+        }
+    }
+
+    /// The widest bounds that a quantity may have here: a bumper's restitution exceeds that of others.
+    pub fn limits_of(&self, quantity: Quantity) -> [f64; 2] {
+        match quantity {
+            Quantity::Restitution { law } => [0.0, self.contact_laws[law].most_restitution()],
+            other => other.limits(),
         }
     }
 

@@ -220,7 +220,8 @@ impl Quantity {
         }
     }
 
-    /// The widest bounds that it may have: the least and the greatest physical value.
+    /// The widest bounds that it may have: the least and the greatest physical value, of what is no bumper
+    /// ([`Scene::limits_of`](super::Scene::limits_of)).
     pub fn limits(self) -> [f64; 2] {
         match self {
             Quantity::Restitution { .. } => [0.0, 1.0],

@@ -31,12 +31,15 @@ pub(super) const MOST_CONTACTS: usize = 3;
 ///   elsewhere the rebound has a tangential part;
 /// - velocities are continuous where sticking changes to sliding.
 ///
+/// With `e > 1`, of a bumper, all of it holds but that energy is lost: the impact gains up to
+/// `½(e² − 1) P_I·W P_I`.
+///
 /// At several contacts, without friction, every normal speed is reversed and scaled at once,
 /// `u⁺ = −e u`. With `J` from velocities `V` to normal speeds, `u = J V`, the impulses along the
 /// normals are `−(1 + e)(J M⁻¹ Jᵀ)⁻¹ u`; the energy lost is `½(1 − e²) uᵀ(J M⁻¹ Jᵀ)⁻¹ u`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law {
-    /// Restitution `e`, from 0 to 1.
+    /// Restitution `e`, from 0 to 1; of a bumper more.
     pub restitution: f64,
     /// Coefficient of friction `μ`, zero or more.
     pub friction: f64,

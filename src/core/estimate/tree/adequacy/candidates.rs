@@ -60,7 +60,7 @@ pub(super) fn change(
     value: f64,
     step: f64,
 ) -> Option<LinearChange> {
-    let [lower, upper] = quantity.limits();
+    let [lower, upper] = scene.limits_of(quantity);
     let [before, after] = [-step, step].map(|by| (value + by).clamp(lower, upper));
     let rough = TreeProblem {
         step_s: LONGER * problem.step_s,

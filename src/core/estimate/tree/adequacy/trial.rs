@@ -82,7 +82,7 @@ impl TreeTrials<'_> {
     fn found(&self, quantity: Quantity, mut value: f64) -> Option<TriedQuantity> {
         let Self { scene, of, .. } = self;
         let (problem, active) = (of.problem, &of.active);
-        let [lower, upper] = quantity.limits();
+        let [lower, upper] = scene.limits_of(quantity);
         let step = STEP * quantity.typical();
         let information = problem.information;
         let merit = |of: &Linear| {

@@ -1,0 +1,110 @@
+//! Laws of contacts and of the air through the program: their truth is made by formulas and small steps of these tests.
+
+use std::path::Path;
+
+use nalgebra::{UnitQuaternion, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde_json::Value;
+
+use crate::phases::{GRAVITY_M_S2, STEP_S, Samples, assert_within, replayed};
+use crate::program::enact;
+
+/// A ball of 30 mm, with further keys of its own and of its collision with the table.
+fn scene(of_ball: &str, of_bounce: &str, free: &str) -> String {
+    format!(
+        "name = \"a ball\"\nhand = \"none\"\n[timing]\nstamps = \"physical\"\n\
+         [[body]]\nname = \"ball\"\nshape = {{ kind = \"sphere\", radius_mm = 30 }}\nmass_g = 60\n{of_ball}\
+         [[surface]]\nname = \"table\"\npoint_mm = [0, 0, 0]\nnormal = [0, 0, 1]\n\
+         [[event]]\nname = \"go\"\nkind = \"start\"\n\
+         [[event]]\nname = \"hit\"\nkind = \"collision\"\nbody = \"ball\"\nsurface = \"table\"\n{of_bounce}\
+         [[event]]\nname = \"end\"\nkind = \"end\"\n{free}"
+    )
+}
+
+/// A ball that turns as it was thrown, falls onto the table and leaves it `restitution` times as fast: its samples, and when it
+/// hits and ends.
+fn bounced(restitution: f64, random: &mut ChaCha8Rng) -> (String, [f64; 2]) {
+    let level = Vector3::new(random.random_range(-0.8..0.8), 0.5, 0.0);
+    let spin = Vector3::from_fn(|_, _| random.random_range(-10.0..10.0));
+    let fall_m: f64 = random.random_range(0.2..0.5);
+    let hit_s = (2.0 * fall_m / GRAVITY_M_S2).sqrt();
+    let up_m_s = restitution * GRAVITY_M_S2 * hit_s;
+    let end_s = hit_s + 0.4;
+    let mut samples = Samples::default();
+    for sample in 0..=(end_s / 0.005) as usize {
+        let now_s = sample as f64 * 0.005;
+        let since_s = now_s - hit_s;
+        let height_m = match since_s < 0.0 {
+            true => fall_m - 0.5 * GRAVITY_M_S2 * now_s * now_s,
+            false => (up_m_s - 0.5 * GRAVITY_M_S2 * since_s) * since_s,
+        };
+        let position_m = level * now_s + Vector3::z() * (0.03 + height_m);
+        let turned = UnitQuaternion::from_scaled_axis(spin * now_s);
+        samples.add(now_s, &position_m, &turned, random);
+    }
+    (samples.csv, [hit_s, end_s - 0.006])
+}
+
+fn answer(folder: &Path, scene: &str, csv: &str, [hit_s, end_s]: [f64; 2]) -> Value {
+    replayed(
+        folder,
+        scene,
+        csv,
+        &[(0.0, "go"), (hit_s, "hit"), (end_s, "end")],
+    )
+}
+
+fn assert_right(said: &Value, what: &str) {
+    assert_eq!(
+        (&said["verdict"], &said["fits"]),
+        (&"physical".into(), &"yes".into()),
+        "{what}: {said}"
+    );
+}
+
+/// Only where an event says that it is a bumper, and with as much as that gives.
+#[test]
+fn a_bumper_gives_energy_where_a_scene_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let free = "[[free]]\nquantity = \"hit.restitution\"\n";
+    for (seed, restitution) in [(0, 1.3), (1, 1.6), (2, 1.15), (3, 0.8)] {
+        let mut random = ChaCha8Rng::seed_from_u64(9700 + seed);
+        let (csv, [hit_s, end_s]) = bounced(restitution, &mut random);
+        let marks_s = [hit_s + random.random_range(-0.01..0.01), end_s];
+        let asked =
+            |of: &str, free: &str| answer(folder.path(), &scene("", of, free), &csv, marks_s);
+        let said = asked("restitution = 1.2\nbumper = true\n", free);
+        assert_right(&said, &format!("{seed}"));
+        assert_within(
+            &said["parameters"]["hit.restitution"],
+            "value",
+            "sd",
+            restitution,
+            0.02,
+            "the bumper",
+        );
+        // With its restitution given, and with one that is another.
+        let given = asked(&format!("restitution = {restitution}\nbumper = true\n"), "");
+        assert_right(&given, &format!("{seed}"));
+        let wrong = asked(
+            &format!("restitution = {}\nbumper = true\n", restitution + 0.3),
+            "",
+        );
+        assert_ne!(wrong["fits"], "yes", "{seed}: {wrong}");
+        // What does not say so loses energy.
+        let plain = asked("restitution = 0.9\n", free);
+        let is_right = plain["verdict"] == "physical" && plain["fits"] == "yes";
+        assert_eq!(is_right, restitution < 1.0, "{seed}: {plain}");
+    }
+    let text = scene("", "restitution = 1.3\n", "");
+    std::fs::write(folder.path().join("plain.toml"), text).expect("a scene");
+    let ran = enact(folder.path(), &["scene", "check", "plain.toml"]);
+    let said = String::from_utf8_lossy(&ran.stderr);
+    assert!(!ran.status.success());
+    assert!(
+        said.contains("restitution is 1.3, expected 0 to 1"),
+        "{said}"
+    );
+    assert!(said.contains("bumper = true"), "{said}");
+}
