@@ -2,7 +2,7 @@
 //! until it rests (paper §6.2.3: the pencil skitters in the mug). The only room that imports
 //! rapier.
 //!
-//! Bodies have the mass, moments, force and drag of the scene, obstacles and planes are fixed. Held
+//! Bodies have the mass, moments, force, drag and lift of the scene, obstacles and planes are fixed. Held
 //! bodies are moved as they were tracked, and stand still where their tracks end.
 //! Contacts are
 //! rapier's, with the restitution and friction of the scene's bodies that have them: softened over millimetres, first order in the
@@ -411,7 +411,8 @@ impl Simulation {
             }
             let moving = &mut self.world.bodies[handle];
             let velocity = from_rapier(moving.linvel());
-            let acceleration = body.acceleration_m_s2(&Vector3::zeros(), &velocity);
+            let spin = from_rapier(moving.angvel());
+            let acceleration = body.acceleration_m_s2(&Vector3::zeros(), &velocity, &spin);
             moving.reset_forces(false);
             moving.add_force(to_rapier(&(acceleration * body.mass_kg())), false);
         }

@@ -130,7 +130,7 @@ fn other_quantities_of_scenes_with_joints_are_refused() {
     for quantity in ["rod 1.drag.linear", "rod 2.force.z", "rod 2.clock.rate"] {
         let text = format!("{text}\n[[free]]\nquantity = {quantity:?}\n");
         let error = scene_from_toml(&text).unwrap_err().to_string();
-        let said = "of joined bodies clocks, forces and drags are given";
+        let said = "of joined bodies clocks, forces, drags and lifts are given";
         assert!(error.contains(said), "{error}");
     }
 }

@@ -5,13 +5,14 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::error::{Fault, fault};
 use super::frame::{GivenSolids, in_axes, inertia, one_mass};
 use super::held::held;
-use super::number::{direction, name, not_negative, unique, vector, vector_from_mm};
+use super::number::{direction, finite, name, not_negative, unique, vector, vector_from_mm};
 use super::raw::{Number, RawBody};
 use super::solid::{PlacedSolid, SizeLimits, shape};
 use super::spanned::Spanned;
 use super::track::tracks;
 use crate::math::Pose;
 use crate::motion::{Feature, FreeBody, Track, Weights};
+use crate::physics::body::Symmetry;
 use crate::physics::shape::{Compound, Part, Solid};
 use crate::physics::{Body, Drag, Shape, contact};
 
@@ -210,7 +211,7 @@ pub(super) fn is_same(a: &contact::Feature, b: &contact::Feature) -> bool {
         && (a_numbers.2 - b_numbers.2).abs() < DIGITS
 }
 
-/// The body with the force and drag that are given.
+/// The body with the force, drag and lift that are given.
 fn in_air(raw: &RawBody, body: Body) -> Result<Body, Fault> {
     let force_m_s2 = match &raw.force_m_s2 {
         Some(force) => vector("force_m_s2", force)?,
@@ -224,8 +225,17 @@ fn in_air(raw: &RawBody, body: Body) -> Result<Body, Fault> {
         linear_per_s: number("drag_linear_per_s", &raw.drag_linear_per_s)?,
         quadratic_per_m: number("drag_quadratic_per_m", &raw.drag_quadratic_per_m)?,
     };
+    let lift = raw.lift.as_ref().map(|of| finite("lift", of)).transpose()?;
+    let is_round = body.symmetry() == Symmetry::Spherical;
+    if let (Some(of), false) = (&raw.lift, is_round) {
+        return fault(
+            of.span(),
+            "only a ball is lifted, a body whose three moments are equal: expected no lift of this one",
+        );
+    }
     let body = body
         .with_force(force_m_s2)
-        .and_then(|body| body.with_drag(drag));
+        .and_then(|body| body.with_drag(drag))
+        .and_then(|body| body.with_lift(lift.unwrap_or(0.0)));
     Ok(body.expect("checked numbers"))
 }

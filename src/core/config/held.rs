@@ -46,6 +46,7 @@ pub(super) fn held(spanned: &Spanned<RawBody>) -> Result<Option<Held>, Fault> {
             "drag_quadratic_per_m",
             raw.drag_quadratic_per_m.as_ref().map(Spanned::span),
         ),
+        ("lift", raw.lift.as_ref().map(Spanned::span)),
     ];
     for (key, span) in inertia {
         if let Some(span) = span {

@@ -121,6 +121,7 @@
 //! | `<body>.force.x`, `<body>.force.y`, `<body>.force.z` | constant force per mass, world axes | m/s² | `force_m_s2` | −∞, +∞ |
 //! | `<body>.drag.linear` | drag that grows with speed, per mass | 1/s | `drag_linear_per_s` | 0, +∞ |
 //! | `<body>.drag.quadratic` | drag that grows with speed squared, per mass | 1/m | `drag_quadratic_per_m` | 0, +∞ |
+//! | `<body>.lift` | lift of a ball that spins | none | `lift` | −∞, +∞ |
 //! | `<body>.moment.x`, `<body>.moment.y`, `<body>.moment.z` | factor of a moment of inertia at fixed mass; equal ones have the first one's name | none | 1 | 0.01, +∞ |
 //! | `<body>.mass` | factor of the mass, and of the moments with it | none | 1 | 0.01, +∞ |
 //! | `<body>.centre.x`, `<body>.centre.y`, `<body>.centre.z` | centre of mass, from the origin of the body's shape | mm | 0 | −∞, +∞ |

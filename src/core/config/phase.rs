@@ -114,15 +114,15 @@ fn carried(text: &Text, scene: &Scene) -> Result<LinkIndex, Fault> {
     Ok(link)
 }
 
-/// Refuses drag on what something carries that is no hand.
+/// Refuses drag and lift on what something carries that is no hand.
 fn refuse_drag(text: &Text, link: LinkIndex, by: &SupportedBy, scene: &Scene) -> Result<(), Fault> {
     let is_driven = matches!(by, SupportedBy::Hand(_));
-    if is_driven || scene.links[link].body.drag().is_none() {
+    if is_driven || scene.links[link].body.feels_no_air() {
         return Ok(());
     }
     fault(
         text.span(),
-        "drag does not act on what something carries, expected a body without drag",
+        "drag and lift do not act on what something carries, expected a body without them",
     )
 }
 

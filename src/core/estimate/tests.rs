@@ -24,6 +24,7 @@ mod approach;
 mod clearance;
 pub(super) mod conditions;
 mod held;
+mod laws;
 mod sliding;
 mod waypoints;
 pub(in crate::estimate) mod woven;
@@ -531,6 +532,7 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
         let at = |scene: Scene| paces.iter().map(move |pace| (scene.clone(), *pace));
         let modelled = [
             modelled(scene(timing)),
+            laws::lifted(timing),
             modelled(meeting(timing, 9.0)),
             held::modelled_held(timing),
         ];

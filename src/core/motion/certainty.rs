@@ -95,6 +95,8 @@ pub struct FlightChange {
     pub pull_m_s2: Vector3<f64>,
     /// Linear drag [1/s] and quadratic drag [1/m].
     pub drag: [f64; 2],
+    /// Lift of a ball.
+    pub lift: f64,
     /// Logarithms of the principal moments.
     pub log_moments: Vector3<f64>,
     /// Centre of mass in the body [m, body].
@@ -149,6 +151,7 @@ impl FlightCertainty {
     ) -> StateDeviation {
         let is_wanted = WantedDerivatives {
             by_drag: self.acting.iter().any(|by| by.drag != [0.0; 2]),
+            by_lift: self.acting.iter().any(|by| by.lift != 0.0),
             by_moments: self
                 .acting
                 .iter()
@@ -189,6 +192,9 @@ impl FlightChange {
         }
         for (order, change) in self.drag.iter().enumerate() {
             by += flown.by_drag(order) * *change;
+        }
+        if self.lift != 0.0 {
+            by += flown.by_lift() * self.lift;
         }
         by + flown.by_friction() * self.friction
     }

@@ -1,4 +1,4 @@
-//! Rigid bodies: their mass, drag and shape ([`body`], [`drag`], [`shape`]), free flight ([`flow`]), contact
+//! Rigid bodies: their mass, drag, lift and shape ([`body`], [`drag`], [`shape`]), free flight ([`flow`]), contact
 //! geometry ([`contact`], [`features`]), impacts ([`impact`]) and how they are measured
 //! (`observe`). Each formula stands beside its derivatives. Only [`shape`] imports parry.
 

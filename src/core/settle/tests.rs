@@ -5,8 +5,7 @@ use nalgebra::UnitQuaternion;
 use super::*;
 use crate::config::scene_from_toml;
 use crate::motion::{ArcEstimate, Counters, DurationEstimate, End, FitUntold, Progress, Verdict};
-use crate::physics::Drag;
-use crate::physics::flow;
+use crate::physics::{Drag, flow};
 
 const TABLE_AND_WALL: &str = r#"
 name = "drop"
@@ -253,6 +252,32 @@ fn what_flies_on_keeps_its_drag_and_force() {
     let (found, exact) = (then.0 - there.0, then.1 - there.1);
     assert!(exact.norm() > 3e-3, "{exact}");
     // A step in twelve is the order of the simulation's error.
+    assert!(
+        (found - exact).norm() < 0.15 * exact.norm(),
+        "{found} {exact}"
+    );
+}
+
+#[test]
+fn what_flies_on_keeps_its_lift() {
+    let mut still = scene_from_toml(TABLE_AND_WALL).unwrap();
+    let body = &mut still.links[LinkIndex(0)].body;
+    *body = Body::new(body.mass_kg(), Vector3::repeat(1.3e-4)).unwrap();
+    let mut lifted = still.clone();
+    let body = &mut lifted.links[LinkIndex(0)].body;
+    *body = body.with_lift(0.5).unwrap();
+    let state = brick(0.5);
+    let step = 12;
+    let [there, then] = [&still, &lifted].map(|scene| {
+        let settled = settle(scene, &estimate(scene, state), 0.1).unwrap();
+        let body = scene.body_of(MechanismIndex(0));
+        let duration_s = step as f64 * INTERVAL_S;
+        let exact = flow::advance(body, &scene.gravity_m_s2, &state, duration_s);
+        let simulated = settled.links[LinkIndex(0)].poses[step].translation.vector;
+        (simulated, exact.position_m)
+    });
+    let (found, exact) = (then.0 - there.0, then.1 - there.1);
+    assert!(exact.norm() > 3e-3, "{exact}");
     assert!(
         (found - exact).norm() < 0.15 * exact.norm(),
         "{found} {exact}"

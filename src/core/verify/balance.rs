@@ -1,7 +1,7 @@
 //! Balance of energy and momentum over flights and impacts.
 //!
 //! Over a flight, energy with the potential of gravity and of a constant force, less the work of
-//! drag; momentum less the impulse of all of these; and angular momentum `R I ω` are constant. Over
+//! drag; momentum less the impulse of all of these and of lift, which does no work; and angular momentum `R I ω` are constant. Over
 //! an impact the states before and after it and the contact points are checked for the following:
 //!
 //! - two bodies together keep their momentum; without friction, a body keeps the part of its
@@ -125,7 +125,7 @@ fn flight(
         .max(relative((spin_after - spin).norm(), spin.norm()));
 }
 
-/// What drag does over a flight, per mass.
+/// What drag and lift do over a flight, per mass.
 #[derive(Default)]
 struct DragSum {
     work_m2_s2: f64,
@@ -145,6 +145,8 @@ impl DragSum {
             return sum;
         }
         let mut fall = Fall::new(body, gravity_m_s2, start);
+        // Only a ball is lifted, whose spin stays as it is.
+        let spin = start.orientation * start.angular_velocity_rad_s;
         let intervals = (duration_s / DRAG_INTERVAL_S).ceil().min(DRAG_INTERVALS);
         let interval_s = duration_s / intervals.max(1.0);
         let off = 0.6_f64.sqrt();
@@ -152,7 +154,7 @@ impl DragSum {
             for (place, weight) in [(-off, 5.0), (0.0, 8.0), (off, 5.0)] {
                 let since_s = (interval as f64 + 0.5 + 0.5 * place) * interval_s;
                 let velocity = fall.position_and_velocity(since_s).1;
-                let acceleration = body.drag().acceleration_m_s2(&velocity);
+                let acceleration = body.air_m_s2(&velocity, &spin);
                 let weight_s = interval_s * weight / 18.0;
                 sum.work_m2_s2 += acceleration.dot(&velocity) * weight_s;
                 sum.impulse_m_s += acceleration * weight_s;

@@ -31,6 +31,11 @@ impl SpeedBound {
                 Self::on_plane(body, plane, &pull_m_s2, ends, duration_s)
             }
             Some(Support::Pivot(pivot)) => Self::at_pivot(body, pivot, &pull_m_s2, &ends[0]),
+            // Lift turns the velocity: what gravity gains may be lost again before the end.
+            None if body.lift() != 0.0 => Self {
+                speed_m_s: ends[0].velocity_m_s.norm() + pull_m_s2.norm() * duration_s.abs(),
+                spin_rad_s: arc.state.angular_velocity_rad_s.norm(),
+            },
             None => Self {
                 // |v| is largest at an end: where it stands still its second derivative is positive, as
                 // |p|² > (p·v)²/v² there, with drag as without.

@@ -1,12 +1,12 @@
 //! Free flight, independent of [`crate::physics::flow`]: the rotation by Taylor series of Euler's
-//! equations, the centre of mass by a parabola or, with drag, by the classic Runge–Kutta method.
+//! equations, the centre of mass by a parabola or, with drag or lift, by the classic Runge–Kutta method.
 //!
 //! ```text
-//! I ω' = (I ω) × ω,   q' = ½ q (0, ω),   x' = v,   v' = g + f − k v − c|v| v
+//! I ω' = (I ω) × ω,   q' = ½ q (0, ω),   x' = v,   v' = g + f + ℓ ω × v − k v − c|v| v
 //! ```
 //!
 //! The first two right sides are products of two series, so that every coefficient follows from earlier
-//! ones by one sum of products. For any three moments.
+//! ones by one sum of products. For any three moments; lifted is only a ball, whose `ω` in world axes is constant.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -163,7 +163,11 @@ fn fall(
         return (x + v * duration_s + fallen, v + pull * duration_s);
     }
     let drag = body.drag();
-    let slope = |v: &Vector3<f64>| pull - v * (drag.linear_per_s + drag.quadratic_per_m * v.norm());
+    let spin = state.orientation * state.angular_velocity_rad_s;
+    let slope = |v: &Vector3<f64>| {
+        pull - v * (drag.linear_per_s + drag.quadratic_per_m * v.norm())
+            + spin.cross(v) * body.lift()
+    };
     let steps = (duration_s.abs() / DRAG_STEP_S).ceil().min(DRAG_STEPS);
     let h = duration_s / steps.max(1.0);
     for _ in 0..steps as usize {
@@ -309,7 +313,11 @@ mod tests {
                 quadratic_per_m,
             };
             let body = body.with_drag(drag).unwrap();
-            for duration_s in [1e-9, 0.5, -0.3] {
+            let lifts = [0.0, 0.02].into_iter();
+            let cases =
+                lifts.flat_map(|lift| [1e-9, 0.5, -0.3].map(|duration_s| (lift, duration_s)));
+            for (lift, duration_s) in cases {
+                let body = body.with_lift(lift).unwrap();
                 let own = advance(&body, &gravity, &state(), duration_s);
                 let flow = flow::advance(&body, &gravity, &state(), duration_s);
                 let off = own.minus(&flow).norm();

@@ -116,13 +116,14 @@ impl<'a> JoinedPart<'a> {
         Ok(())
     }
 
-    /// Refuses free clocks, forces and drags of joined bodies.
+    /// Refuses free clocks, forces, drags and lifts of joined bodies.
     fn refuse_free(&self, raw: &RawScene) -> Result<(), Fault> {
         let scene = self.scene;
         let is_undone = |quantity: Quantity| match quantity {
             Quantity::Force { .. }
             | Quantity::LinearDrag { .. }
             | Quantity::QuadraticDrag { .. }
+            | Quantity::Lift { .. }
             | Quantity::ClockRate { .. }
             | Quantity::ClockOffset { .. }
             | Quantity::FlightClock { .. }
@@ -152,7 +153,7 @@ impl<'a> JoinedPart<'a> {
         let mut named = raw.free.iter().map(|free| &free.quantity);
         let place = named.find(|name| other.name.starts_with(name.get_ref().as_str()));
         let said = format!(
-            "of joined bodies clocks, forces and drags are given, expected another quantity than {:?}",
+            "of joined bodies clocks, forces, drags and lifts are given, expected another quantity than {:?}",
             other.name
         );
         fault(place.map_or(0..0, Spanned::span), said)
@@ -199,6 +200,10 @@ fn unused_of_body(body: &RawBody) -> Vec<Unused> {
         (span(&body.force_m_s2), flies),
         (span(&body.drag_linear_per_s), flies),
         (span(&body.drag_quadratic_per_m), flies),
+        (
+            span(&body.lift),
+            "bodies of a scene with joints fly in gravity alone, expected no lift",
+        ),
     ]
 }
 

@@ -81,6 +81,10 @@ pub(in crate::config) struct RawBody {
     pub(in crate::config) drag_linear_per_s: Option<Number>,
     /// Drag that grows with the square of speed, per mass. Default: none.
     pub(in crate::config) drag_quadratic_per_m: Option<Number>,
+    /// Lift of a ball that spins: it accelerates by `lift` times its angular velocity times, as vectors, its velocity. Of a
+    /// ball of radius r and mass m in air of density ρ it is ρ C π r³/(2 m), with C about 1: 0.006 of a football or of a
+    /// table-tennis ball. Default: none.
+    pub(in crate::config) lift: Option<Number>,
     /// Points by which it may touch, by their names. Default: those of its shape.
     #[serde(default)]
     pub(in crate::config) features_mm: BTreeMap<Text, Triple>,

@@ -314,6 +314,36 @@ fn known_force_and_drag_are_the_bodies() {
 }
 
 #[test]
+fn a_ball_has_a_lift_and_what_is_no_ball_has_none() {
+    let ball = |keys: &str, free: &str| {
+        let shape =
+            "shape = { kind = \"cylinder\", length_mm = 190.0, radius_mm = 3.75 }\nmass_g = 6.0";
+        let ball = format!("shape = {{ kind = \"sphere\", radius_mm = 95 }}\nmass_g = 6.0\n{keys}");
+        let text = text("", "", free).replace(shape, &ball);
+        assert!(text.contains("sphere"));
+        text
+    };
+    let free = "[[free]]\nquantity = \"pencil.lift\"\n";
+    let scene = scene_from_toml(&ball("lift = -0.006", free)).unwrap();
+    assert_eq!(scene.links[LINK].body.lift(), -0.006);
+    let last = scene.parameters.last().unwrap();
+    assert_eq!(last.quantity, Quantity::Lift { link: LINK });
+    assert_eq!((last.initial, last.lower), (-0.006, f64::NEG_INFINITY));
+    let other = scene.with_values(&[(Quantity::Lift { link: LINK }, 0.02)]);
+    assert_eq!(other.unwrap().links[LINK].body.lift(), 0.02);
+    let nan = error_of(&ball("lift = nan", "")).message;
+    assert!(nan.starts_with("lift is NaN"), "{nan}");
+    let rod = text("", "", "").replace("mass_g = 6.0", "mass_g = 6.0\nlift = 0.01");
+    let said = error_of(&rod).message;
+    assert!(said.starts_with("only a ball is lifted"), "{said}");
+    let said = error_of(&text("", "", free)).message;
+    assert!(
+        said.contains("pencil.lift cannot be free: only a ball"),
+        "{said}"
+    );
+}
+
+#[test]
 fn moments_begin_as_those_of_a_body() {
     let message = refusal("", "", &["\"pencil.moment.z\"\ninitial = 1e4"]);
     assert!(
@@ -368,11 +398,16 @@ fn documented_quantities_are_those_that_there_are() {
                     name = format!("joint 2{end}");
                     scene_from_toml(&(CHAIN.to_owned() + &free))
                 }
+                // Only a ball is lifted.
+                None if name.ends_with(".lift") => {
+                    scene_from_toml(&text(&BALL.replace("ball", "brick"), "", &free))
+                }
                 None => scene_from_toml(&text(brick, &meets, &free)),
             };
             let scene = scene.unwrap_or_else(|error| panic!("{name}: {error}"));
-            assert_eq!(scene.parameters[0].name, name);
-            let of = Unit::of(scene.parameters[0].quantity).name.trim();
+            let last = scene.parameters.last().unwrap();
+            assert_eq!(last.name, name);
+            let of = Unit::of(last.quantity).name.trim();
             assert_eq!(if of.is_empty() { "none" } else { of }, unit, "{name}");
             named.push(name);
         }

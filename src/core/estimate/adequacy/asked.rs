@@ -31,6 +31,7 @@ fn kept(scene: &Scene, strayed: Strayed, is_tried: bool, quantity: Quantity) -> 
             | Quantity::Force { .. }
             | Quantity::LinearDrag { .. }
             | Quantity::QuadraticDrag { .. }
+            | Quantity::Lift { .. }
     );
     KeptQuantity {
         typical: quantity.typical(),

@@ -13,6 +13,8 @@ pub(super) fn candidates(scene: &Scene, strayed: Strayed) -> Vec<Quantity> {
             Quantity::ContactDuration { .. } => strayed != Strayed::Hand,
             // Of one body, a force is gravity.
             Quantity::Force { .. } => !is_alone,
+            // Of a ball of which nobody says that the air lifts it, a curve is a force.
+            Quantity::Lift { link } => scene.links[*link].body.lift() != 0.0,
             _ => true,
         };
         means_something

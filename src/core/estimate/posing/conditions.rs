@@ -179,6 +179,7 @@ pub(in crate::estimate) fn acting(
                 Influence::Pull(_)
                     | Influence::LinearDrag
                     | Influence::QuadraticDrag
+                    | Influence::Lift
                     | Influence::Moment(_)
                     | Influence::Centre(_)
             );

@@ -8,7 +8,7 @@ use std::ops::Range;
 use nalgebra::{Matrix3, Vector3};
 
 use super::gravity;
-use crate::estimate::problem::influence::{Acting, Influence};
+use crate::estimate::problem::influence::{Acting, Influence, lift_is_free};
 use crate::estimate::problem::weave::{Kink, Kinks, Weave, WovenArc, WovenHand, WovenSample};
 use crate::estimate::problem::{Arc, INFORMED_MIN, Problem, Shows, View};
 use crate::estimate::unknowns::point::Point;
@@ -56,7 +56,9 @@ impl Problem {
                         samples: Vec::new(),
                         moved: self.moved_by(arc),
                         remembered: 0,
-                        is_levered: arc.views.iter().any(|view| view.shows == Shows::Point),
+                        is_levered: arc.views.iter().any(|view| view.shows == Shows::Point)
+                            || arc.body.lift() != 0.0
+                            || lift_is_free(&arc.acting),
                         is_carried: arc.body.support().is_some(),
                     });
                 }

@@ -14,6 +14,8 @@ pub enum Influence {
     LinearDrag,
     /// Drag in proportion to the speed squared.
     QuadraticDrag,
+    /// Lift of a ball that spins.
+    Lift,
     /// Factor of the moments about an axis and those equal to it.
     Moment([bool; 3]),
     /// Factor of the mass, with the moments.
@@ -48,6 +50,7 @@ impl Influence {
             Influence::Pull(_)
                 | Influence::LinearDrag
                 | Influence::QuadraticDrag
+                | Influence::Lift
                 | Influence::Moment(_)
                 | Influence::SupportFriction
         )
@@ -108,6 +111,12 @@ pub fn drag_is_free(acting: &[Acting]) -> bool {
     influences.any(|of| matches!(of, Influence::LinearDrag | Influence::QuadraticDrag))
 }
 
+/// Whether the lift is among the parameters that act on an arc.
+pub fn lift_is_free(acting: &[Acting]) -> bool {
+    let mut influences = acting.iter().map(|acting| acting.influence);
+    influences.any(|of| of == Influence::Lift)
+}
+
 impl Influence {
     /// What a parameter of the given value changes of a flight or of what flies, per unit; `None` where it acts on
     /// something else.
@@ -117,6 +126,7 @@ impl Influence {
             Self::Pull(axis) => change.pull_m_s2[axis] = 1.0,
             Self::LinearDrag => change.drag[0] = 1.0,
             Self::QuadraticDrag => change.drag[1] = 1.0,
+            Self::Lift => change.lift = 1.0,
             Self::Moment(axes) => {
                 change.log_moments =
                     Vector3::from_fn(|axis, _| f64::from(u8::from(axes[axis])) / value);
@@ -143,6 +153,7 @@ impl Quantity {
             Quantity::Force { axis, .. } => Influence::Pull(axis),
             Quantity::LinearDrag { .. } => Influence::LinearDrag,
             Quantity::QuadraticDrag { .. } => Influence::QuadraticDrag,
+            Quantity::Lift { .. } => Influence::Lift,
             Quantity::Moment { axis, .. } => {
                 Influence::Moment([0, 1, 2].map(|other| other == axis))
             }
@@ -189,6 +200,7 @@ impl Role {
                 Quantity::Force { link, .. }
                 | Quantity::LinearDrag { link }
                 | Quantity::QuadraticDrag { link }
+                | Quantity::Lift { link }
                 | Quantity::Moment { link, .. }
                 | Quantity::Mass { link }
                 | Quantity::Centre { link, .. } => Owner::Link(link, mechanism_of(link)),

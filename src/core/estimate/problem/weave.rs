@@ -66,7 +66,7 @@ pub struct WovenArc {
     pub moved: Range<usize>,
     /// Of how many flights before it errors still tell of its own.
     pub remembered: usize,
-    /// Whether positions that are seen depend on how the body is turned.
+    /// Whether positions that are seen depend on how the body is turned and turns: by a lever, or by lift.
     pub is_levered: bool,
     /// Whether a surface carries the body, so that places and turns depend on each other.
     pub is_carried: bool,

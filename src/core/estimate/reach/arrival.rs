@@ -1,11 +1,11 @@
 //! An arc's state at an event with all derivatives, for arcs on which parameters act and for bodies
-//! with drag: the general form of [`ArcEnd`](super::arc_end).
+//! with drag or lift: the general form of [`ArcEnd`](super::arc_end).
 
 use nalgebra::{Matrix3, Matrix3x2};
 
 use super::arc_end::ArcEnd;
 use crate::estimate::problem::Problem;
-use crate::estimate::problem::influence::{Acting, Influence, drag_is_free};
+use crate::estimate::problem::influence::{Acting, Influence, drag_is_free, lift_is_free};
 use crate::estimate::unknowns::point::Point;
 use crate::physics::State;
 use crate::physics::flow::{
@@ -50,6 +50,7 @@ impl GeneralArrival {
         let has_moments = problem.arcs[arc].acting.iter().any(is_moment);
         let fallen = Fall::new(body, &gravity_m_s2, state)
             .with_drag_free(drag_is_free(&problem.arcs[arc].acting))
+            .with_lift_free(lift_is_free(&problem.arcs[arc].acting))
             .fallen(s);
         let omega = &state.angular_velocity_rad_s;
         let by_moments = has_moments.then(|| flow::turn_by_moments(body, omega, s));
@@ -67,6 +68,7 @@ impl GeneralArrival {
             velocity_by_velocity: Matrix3::identity(),
             velocity_by_pull: Matrix3::zeros(),
             velocity_by_drag: Matrix3x2::zeros(),
+            by_spinning: None,
         };
         Self::of(ArcEnd::given(state), fallen, None)
     }
@@ -122,6 +124,7 @@ impl GeneralArrival {
             Influence::SupportFriction => flown.by_friction(),
             Influence::LinearDrag => flown.by_drag(0),
             Influence::QuadraticDrag => flown.by_drag(1),
+            Influence::Lift => flown.by_lift(),
             Influence::Moment(axes) => (0..3)
                 .filter(|axis| axes[*axis])
                 .map(|axis| flown.by_log_moment(axis) / value)

@@ -13,7 +13,7 @@ const CURVED_SAMPLE: usize = 5;
 /// second derivatives, and with those, which are differences, of each distance that is kept as of all else.
 const TURN: f64 = 20.0;
 const CURVED_TURN: f64 = 500.0;
-/// How many looks a second is worth of what drag slows down or something supports: it is followed in steps.
+/// How many looks a second is worth of what the air slows down or lifts or something supports: it is followed in steps.
 const STEPPED_PER_S: f64 = 300.0;
 
 impl SolveContext<'_> {

@@ -40,7 +40,7 @@ impl Problem {
             mechanism, body, ..
         } = &self.arcs[arc];
         let mut force_m_s2 = body.force_m_s2();
-        let mut drag: Drag = body.drag();
+        let (mut drag, mut lift): (Drag, f64) = (body.drag(), body.lift());
         let (mut mass, mut moments) = (1.0, Vector3::repeat(1.0));
         let mut is_changed = false;
         for role in &self.roles {
@@ -52,6 +52,7 @@ impl Problem {
                 Influence::Pull(axis) => force_m_s2[axis] = value,
                 Influence::LinearDrag => drag.linear_per_s = value,
                 Influence::QuadraticDrag => drag.quadratic_per_m = value,
+                Influence::Lift => lift = value,
                 Influence::Moment(axes) => {
                     for axis in (0..3).filter(|axis| axes[*axis]) {
                         moments[axis] = value;
@@ -66,6 +67,7 @@ impl Problem {
         if is_changed {
             body = body.with_factors(mass, &moments).ok()?;
             body = body.with_force(force_m_s2).ok()?.with_drag(drag).ok()?;
+            body = body.with_lift(lift).ok()?;
         }
         let friction = self.arcs[arc].friction_parameter;
         let support = body.support().zip(friction);

@@ -2,7 +2,7 @@
 //! state, time, and parameters that act on the flight or on what the tracker sees of it.
 //!
 //! This is the general form of the residuals, for arcs on which such parameters act and for bodies with
-//! drag; [`samples`](super::samples) and [`levered`](super::levered) are the short ones for all others. In the frame of the arc's epoch, in which `T(s) = R₀ᵀ R(s)`,
+//! drag or lift; [`samples`](super::samples) and [`levered`](super::levered) are the short ones for all others. In the frame of the arc's epoch, in which `T(s) = R₀ᵀ R(s)`,
 //!
 //! ```text
 //! position      x(s) − x_i                       [world]     changed by δx
@@ -21,12 +21,12 @@
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 use super::modelled::Mount;
-use crate::estimate::problem::influence::{Acting, Influence, drag_is_free};
+use crate::estimate::problem::influence::{Acting, Influence, drag_is_free, lift_is_free};
 use crate::estimate::problem::{Problem, Shows, View};
 use crate::estimate::unknowns::kept::KeptSpin;
 use crate::estimate::unknowns::point::Point;
 use crate::math::so3;
-use crate::physics::flow::{Carried, Fall, SpinByMoments, Supported};
+use crate::physics::flow::{Carried, Fall, FallenBySpinning, SpinByMoments, Supported};
 use crate::physics::state::{self, StateTangent, part};
 use crate::physics::{Body, State};
 
@@ -130,7 +130,9 @@ impl<'a> SampleObserver<'a> {
             parameters,
             state,
             epoch_s,
-            fall: Fall::new(body, gravity_m_s2, state).with_drag_free(drag_is_free(acting)),
+            fall: Fall::new(body, gravity_m_s2, state)
+                .with_drag_free(drag_is_free(acting))
+                .with_lift_free(lift_is_free(acting)),
             turning: point.kept.spin(body, &state.angular_velocity_rad_s),
             supported: Supported::new(body, gravity_m_s2, state),
             moments: acting
@@ -309,10 +311,16 @@ impl<'a> SampleObserver<'a> {
         for axis in 0..3 {
             let unit = Vector3::ith(axis, 1.0);
             by_state[part::POSITION + axis] = following.six(unit, zero);
-            by_state[part::ORIENTATION + axis] = following.six(zero, unit);
+            let spinning = fallen.by_spinning.as_ref();
+            let lifted = |of: &dyn Fn(&FallenBySpinning) -> Matrix3<f64>| {
+                spinning.map_or(zero, |spinning| of(spinning).column(axis).into_owned())
+            };
+            let by_turn = lifted(&|of| of.by_orientation[0]);
+            by_state[part::ORIENTATION + axis] = following.six(by_turn, unit);
             let by_velocity = fallen.position_by_velocity.column(axis).into_owned();
             by_state[part::VELOCITY + axis] = following.six(by_velocity, zero);
-            by_state[part::ANGULAR_VELOCITY + axis] = following.six(zero, k.column(axis) * s);
+            let by_spin = lifted(&|of| of.by_angular_velocity[0]);
+            by_state[part::ANGULAR_VELOCITY + axis] = following.six(by_spin, k.column(axis) * s);
         }
         // Changes on a support as those of place and turn.
         let seen = |by: &StateTangent| {
@@ -357,6 +365,10 @@ impl<'a> SampleObserver<'a> {
                 }
                 Influence::QuadraticDrag => {
                     following.six(fallen.position_by_drag.column(1).into_owned(), zero)
+                }
+                Influence::Lift => {
+                    let by_lift = fallen.by_spinning.map_or(zero, |of| of.by_lift[0]);
+                    following.six(by_lift, zero)
                 }
                 Influence::Moment(axes) => {
                     let by_moments = self.moments.as_mut().expect("a free moment");

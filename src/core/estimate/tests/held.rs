@@ -30,6 +30,7 @@ pub(super) fn modelled_held(timing: Timing) -> Scene {
             | Quantity::Centre { link, .. }
             | Quantity::LinearDrag { link }
             | Quantity::QuadraticDrag { link }
+            | Quantity::Lift { link }
             | Quantity::Moment { link, .. }
             | Quantity::Mass { link } => link,
             _ => LinkIndex(0),

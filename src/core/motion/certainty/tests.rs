@@ -162,3 +162,54 @@ fn what_damping_alone_holds_is_not_told() {
     };
     assert_eq!(nothing.sd(), None);
 }
+
+/// Of a ball that the air lifts: its place and its velocity follow its spin, its turn and the lift.
+#[test]
+fn deviations_of_a_lifted_ball_are_those_of_the_differentiated_flight() {
+    let ball = |lift: f64| {
+        let body = Body::new(0.2, Vector3::repeat(3e-4)).expect("moments of a ball");
+        body.with_lift(lift).expect("a lift")
+    };
+    let acting = vec![FlightChange {
+        lift: 1.0,
+        ..FlightChange::default()
+    }];
+    let count = DIMENSION + 1;
+    let mut random = Random::default();
+    let root = DMatrix::from_fn(count, count, |_, _| 1e-2 * random.signed());
+    let covariance = &root * root.transpose();
+    let certainty = FlightCertainty {
+        acting,
+        variance: Variance {
+            whole: covariance.clone(),
+            damped: DMatrix::zeros(count, count),
+            informed: covariance.clone(),
+            known: covariance.clone(),
+            errors: covariance.clone(),
+            priors: DMatrix::zeros(count, count),
+        },
+    };
+    for duration_s in [-0.4, 0.7] {
+        let flown = |unknowns: &[f64]| {
+            let tangent = StateTangent::from_column_slice(&unknowns[..DIMENSION]);
+            let (from, lift) = (state().retract(&tangent), 0.1 + unknowns[DIMENSION]);
+            flow::advance(&ball(lift), &GRAVITY_M_S2, &from, duration_s)
+        };
+        let then = flown(&vec![0.0; count]);
+        let by = jacobian(DIMENSION, count, |unknowns| {
+            flown(unknowns).minus(&then).as_slice().to_vec()
+        });
+        let centre = Pose::identity();
+        let told = certainty.deviation(&ball(0.1), &GRAVITY_M_S2, &state(), duration_s, &centre);
+        let told = told.parts().into_iter().flatten();
+        for (at, (told, row)) in told.zip(by).enumerate() {
+            let row = DVector::from_vec(row);
+            let expected = row.dot(&(&covariance * &row)).sqrt();
+            let told = told.expect("all is determined");
+            assert!(
+                (told - expected).abs() < 1e-6 * expected,
+                "{duration_s} s, {at}: {told}, not {expected}"
+            );
+        }
+    }
+}

@@ -51,7 +51,7 @@ impl Scene {
     /// all of its surfaces along. Clocks are no part of a scene: their values change nothing. The
     /// list of parameters stays as it is.
     ///
-    /// Fails where no body has such a mass, moments, force or drag.
+    /// Fails where no body has such a mass, moments, force, drag or lift.
     pub fn with_values(&self, values: &[(Quantity, f64)]) -> Result<Scene, BodyError> {
         let values = EstimatedValues(values);
         let mut scene = self.clone();
@@ -118,10 +118,13 @@ impl Scene {
         });
         let linear = values.of(Quantity::LinearDrag { link });
         let quadratic = values.of(Quantity::QuadraticDrag { link });
-        body.with_force(force)?.with_drag(Drag {
-            linear_per_s: linear.unwrap_or(drag.linear_per_s),
-            quadratic_per_m: quadratic.unwrap_or(drag.quadratic_per_m),
-        })
+        let lift = values.of(Quantity::Lift { link });
+        body.with_force(force)?
+            .with_drag(Drag {
+                linear_per_s: linear.unwrap_or(drag.linear_per_s),
+                quadratic_per_m: quadratic.unwrap_or(drag.quadratic_per_m),
+            })?
+            .with_lift(lift.unwrap_or(body.lift()))
     }
 
     /// Moves a link's axes to where its centre of mass is \[m, its axes\].

@@ -86,6 +86,7 @@ impl Scene {
         let drag = [
             Quantity::LinearDrag { link },
             Quantity::QuadraticDrag { link },
+            Quantity::Lift { link },
         ];
         let axes = self.links[link].moment_axes();
         let moments = axes.map(|axis| Quantity::Moment { link, axis });
@@ -113,6 +114,7 @@ impl Scene {
             Quantity::Force { link: of, axis } => format!("{}.force.{}", link(of), AXES[axis]),
             Quantity::LinearDrag { link: of } => format!("{}.drag.linear", link(of)),
             Quantity::QuadraticDrag { link: of } => format!("{}.drag.quadratic", link(of)),
+            Quantity::Lift { link: of } => format!("{}.lift", link(of)),
             Quantity::Moment { link: of, axis } => format!("{}.moment.{}", link(of), AXES[axis]),
             Quantity::Mass { link: of } => format!("{}.mass", link(of)),
             Quantity::Centre { link: of, axis } => format!("{}.centre.{}", link(of), AXES[axis]),
@@ -204,6 +206,7 @@ impl Scene {
             Quantity::Force { link, axis } => self.links[link].body.force_m_s2()[axis],
             Quantity::LinearDrag { link } => self.links[link].body.drag().linear_per_s,
             Quantity::QuadraticDrag { link } => self.links[link].body.drag().quadratic_per_m,
+            Quantity::Lift { link } => self.links[link].body.lift(),
             Quantity::Moment { .. } | Quantity::Mass { .. } => 1.0,
             Quantity::Centre { .. }
             | Quantity::TrackerPosition { .. }

@@ -168,6 +168,7 @@ impl Scene {
             Quantity::Force { link, .. }
             | Quantity::LinearDrag { link }
             | Quantity::QuadraticDrag { link }
+            | Quantity::Lift { link }
             | Quantity::Moment { link, .. }
             | Quantity::Mass { link }
             | Quantity::Centre { link, .. }

@@ -6,7 +6,7 @@ use crate::motion::index::{ContactLawIndex, LinkIndex, TrackIndex};
 /// A quantity that may be free.
 ///
 /// Values are in SI units ([`Quantity::unit`]). Those that a scene gives are themselves the value
-/// (gravity, restitution, friction, force, drag); the others correct what the scene gives and are 0
+/// (gravity, restitution, friction, force, drag, lift); the others correct what the scene gives and are 0
 /// where it is right, or 1 for a factor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
@@ -47,6 +47,11 @@ pub enum Quantity {
     },
     /// Drag of a link that grows with its speed squared, per mass [1/m].
     QuadraticDrag {
+        /// The link.
+        link: LinkIndex,
+    },
+    /// Lift of a ball that spins, dimensionless ([`Body::with_lift`](crate::physics::Body::with_lift)).
+    Lift {
         /// The link.
         link: LinkIndex,
     },
@@ -200,6 +205,7 @@ impl Quantity {
             Quantity::Gravity { .. } | Quantity::Force { .. } => "m/s²",
             Quantity::Restitution { .. }
             | Quantity::Friction { .. }
+            | Quantity::Lift { .. }
             | Quantity::Moment { .. }
             | Quantity::Mass { .. } => "",
             Quantity::ClockRate { .. } => "s/s",
@@ -235,6 +241,7 @@ impl Quantity {
             Quantity::Gravity { .. }
             | Quantity::Tilt { .. }
             | Quantity::Force { .. }
+            | Quantity::Lift { .. }
             | Quantity::Centre { .. }
             | Quantity::TrackerPosition { .. }
             | Quantity::TrackerOrientation { .. }
@@ -264,7 +271,8 @@ impl Quantity {
             | Quantity::FlightClock { .. }
             | Quantity::SampleTime { .. } => 0.1,
             Quantity::ClockRate { .. } => 0.03,
-            Quantity::Centre { .. }
+            Quantity::Lift { .. }
+            | Quantity::Centre { .. }
             | Quantity::TrackerPosition { .. }
             | Quantity::SurfaceHeight { .. }
             | Quantity::JointPlace { .. }

@@ -23,6 +23,9 @@ pub enum Untold {
     /// Three equal moments of a link that never collides.
     #[error("only ratios of moments show in flight, and all moments of this body are equal")]
     MomentCancels,
+    /// The lift of a body of which moments differ.
+    #[error("only a ball is lifted, a body whose three moments are equal")]
+    NotRound,
     /// The turn of a tracker on a link with three equal moments that never collides.
     #[error(
         "a body with three equal moments that never collides turns alike whichever way its tracker is mounted"
@@ -113,6 +116,7 @@ impl Scene {
             Quantity::Friction { law } => {
                 unless(self.uses(law) || self.has_phase_of(law), Untold::UnusedLaw)
             }
+            Quantity::Lift { link } => unless(self.is_round(link), Untold::NotRound),
             Quantity::Mass { link } => unless(self.met_by(link).len() > 1, Untold::MassCancels),
             Quantity::Moment { link, .. } => unless(
                 self.collides(link) || !self.is_round(link) || self.is_joined(link),
@@ -170,6 +174,7 @@ impl Scene {
             Quantity::Force { link, .. }
             | Quantity::LinearDrag { link }
             | Quantity::QuadraticDrag { link }
+            | Quantity::Lift { link }
             | Quantity::Moment { link, .. }
             | Quantity::Mass { link }
             | Quantity::Centre { link, .. } => Some(link),
@@ -186,6 +191,7 @@ impl Scene {
             Quantity::Force { link, .. }
             | Quantity::LinearDrag { link }
             | Quantity::QuadraticDrag { link }
+            | Quantity::Lift { link }
             | Quantity::Moment { link, .. }
             | Quantity::Mass { link }
             | Quantity::Centre { link, .. } => self.is_held(link).then_some(Untold::Held),
@@ -213,6 +219,7 @@ impl Scene {
             // Nothing of a body counts while a hand moves it, but where its centre of mass is.
             Quantity::LinearDrag { link }
             | Quantity::QuadraticDrag { link }
+            | Quantity::Lift { link }
             | Quantity::Mass { link }
             | Quantity::Moment { link, .. } => {
                 phases.any(|phase| phase.link == link && phase.in_hand().is_none())

@@ -1,16 +1,17 @@
 //! The centre of mass of a body in flight.
 //!
 //! ```text
-//! x' = v,   v' = p − k v − c|v| v,   p = g + f
+//! x' = v,   v' = p + Ω × v − k v − c|v| v,   p = g + f,   Ω = ℓ R ω
 //! ```
 //!
-//! with gravity `g`, the body's constant force per mass `f` and its drag `k`, `c`. Without drag it
-//! is the parabola `x + v s + ½ p s²`; with drag it is integrated ([`super::glide`]). The position
+//! with gravity `g`, the body's constant force per mass `f`, its drag `k`, `c` and, of a ball, its lift `ℓ`. Without
+//! drag and lift it is the parabola `x + v s + ½ p s²`; with them it is integrated ([`super::glide`]). The position
 //! at the start is only added to the way.
 
-use nalgebra::{Matrix3, Matrix3x2, Vector3};
+use nalgebra::{Matrix3, Matrix3x2, UnitQuaternion, Vector3};
 
 use super::glide::{Change, Glide, column};
+use crate::math::so3;
 use crate::physics::body::Body;
 use crate::physics::state::State;
 
@@ -34,6 +35,19 @@ pub struct Fallen {
     pub velocity_by_pull: Matrix3<f64>,
     /// Of `v(s)` by `k` \[m\] and by `c` [m²/s], a column each.
     pub velocity_by_drag: Matrix3x2<f64>,
+    /// Those of what spins, where there is lift or derivatives by it are wanted.
+    pub by_spinning: Option<FallenBySpinning>,
+}
+
+/// Derivatives of a centre of mass after a flight with lift by what lifts it: of its position and of its velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FallenBySpinning {
+    /// By the orientation at the start [m, m/s per rad].
+    pub by_orientation: [Matrix3<f64>; 2],
+    /// By the angular velocity at the start [m, m/s per rad/s].
+    pub by_angular_velocity: [Matrix3<f64>; 2],
+    /// By the lift `ℓ` [m, m/s].
+    pub by_lift: [Vector3<f64>; 2],
 }
 
 /// The flight of a centre of mass from one start, for many durations of either sign.
@@ -50,21 +64,35 @@ pub struct Fall {
     is_ballistic: bool,
     /// Whether derivatives by drag are wanted.
     drag_is_free: bool,
-    /// Of a body without drag, needed for derivatives by it only.
+    /// Whether those by lift are.
+    lift_is_free: bool,
+    lift: f64,
+    orientation: UnitQuaternion<f64>,
+    angular_velocity_rad_s: Vector3<f64>,
+    /// Of a body without drag and lift, needed for derivatives by them only.
     glide: Glide,
 }
 
 impl Fall {
-    /// The flight of a body from a state, of which only position and velocity count.
+    /// The flight of a body from a state, of which only position and velocity count unless there is lift.
     pub fn new(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State) -> Self {
         let pull_m_s2 = body.pull_m_s2(gravity_m_s2);
+        let mut glide = Glide::new(pull_m_s2, body.drag(), &state.velocity_m_s);
+        if body.lift() != 0.0 {
+            let spin = state.orientation * state.angular_velocity_rad_s;
+            glide = glide.lifted(spin * body.lift());
+        }
         Self {
             position_m: state.position_m,
             velocity_m_s: state.velocity_m_s,
             pull_m_s2,
-            is_ballistic: body.drag().is_none(),
+            is_ballistic: body.feels_no_air(),
             drag_is_free: true,
-            glide: Glide::new(pull_m_s2, body.drag(), &state.velocity_m_s),
+            lift_is_free: false,
+            lift: body.lift(),
+            orientation: state.orientation,
+            angular_velocity_rad_s: state.angular_velocity_rad_s,
+            glide,
         }
     }
 
@@ -73,6 +101,14 @@ impl Fall {
     pub fn with_drag_free(self, drag_is_free: bool) -> Self {
         Self {
             drag_is_free,
+            ..self
+        }
+    }
+
+    /// The flight with derivatives by lift where that is free.
+    pub fn with_lift_free(self, lift_is_free: bool) -> Self {
+        Self {
+            lift_is_free,
             ..self
         }
     }
@@ -95,7 +131,7 @@ impl Fall {
     ///
     /// Those by drag of a body that has none are of the limit from above.
     pub fn fallen(&mut self, duration_s: f64) -> Fallen {
-        if self.is_ballistic && !self.drag_is_free {
+        if self.is_ballistic && !self.drag_is_free && !self.lift_is_free {
             let (position_m, velocity_m_s) = self.ballistic(duration_s);
             return Fallen {
                 position_m,
@@ -106,6 +142,7 @@ impl Fall {
                 velocity_by_velocity: Matrix3::identity(),
                 velocity_by_pull: Matrix3::from_diagonal_element(duration_s),
                 velocity_by_drag: Matrix3x2::zeros(),
+                by_spinning: None,
             };
         }
         let (node, change) = self.glide.at_with_change(duration_s);
@@ -125,7 +162,24 @@ impl Fall {
             velocity_by_velocity: three(&change.velocity, column::VELOCITY),
             velocity_by_pull: three(&change.velocity, column::PULL),
             velocity_by_drag: drag(&change.velocity),
+            by_spinning: self.by_spinning(duration_s),
         }
+    }
+
+    /// By `Ω = ℓ R ω`, of which `δΩ = ℓ R (δω + θ × ω) + δℓ R ω` where `R` turns by `θ` on the right.
+    fn by_spinning(&mut self, duration_s: f64) -> Option<FallenBySpinning> {
+        if self.lift == 0.0 && !self.lift_is_free {
+            return None;
+        }
+        let change = self.glide.by_lifting(duration_s);
+        let turned = so3::matrix(&self.orientation);
+        let omega = &self.angular_velocity_rad_s;
+        let both = [change.way, change.velocity].map(|by| by * turned);
+        Some(FallenBySpinning {
+            by_orientation: both.map(|by| by * so3::hat(omega) * -self.lift),
+            by_angular_velocity: both.map(|by| by * self.lift),
+            by_lift: both.map(|by| by * omega),
+        })
     }
 
     fn ballistic(&self, s: f64) -> (Vector3<f64>, Vector3<f64>) {

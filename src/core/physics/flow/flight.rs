@@ -73,7 +73,7 @@ pub fn velocity(
 }
 
 /// Time derivative of the state in free flight, in its own tangent space:
-/// `(v, ω, g + f − k v − c|v| v, I⁻¹((I ω) × ω))`.
+/// `(v, ω, g + f + ℓ ω × v − k v − c|v| v, I⁻¹((I ω) × ω))`.
 ///
 /// On a support: the rate there.
 pub fn rate(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State) -> StateTangent {
@@ -92,7 +92,11 @@ pub fn rate(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State) -> StateTan
         .copy_from(&state.velocity_m_s);
     rate.fixed_rows_mut::<3>(part::ORIENTATION).copy_from(omega);
     rate.fixed_rows_mut::<3>(part::VELOCITY)
-        .copy_from(&body.acceleration_m_s2(gravity_m_s2, &state.velocity_m_s));
+        .copy_from(&body.acceleration_m_s2(
+            gravity_m_s2,
+            &state.velocity_m_s,
+            &(state.orientation * omega),
+        ));
     rate.fixed_rows_mut::<3>(part::ANGULAR_VELOCITY)
         .copy_from(&euler);
     rate

@@ -3,11 +3,13 @@
 //! In blocks of position, orientation, velocity and angular velocity those by the state are
 //!
 //! ```text
-//! I  0  X 0
+//! I  L  X L
 //! 0  R  0 T
-//! 0  0  V 0
+//! 0  M  V M
 //! 0  0  0 S
 //! ```
+//!
+//! with `L` and `M` of lift alone.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -94,6 +96,14 @@ impl Flown {
         }
     }
 
+    /// Derivative by the lift, where it is wanted.
+    pub fn by_lift(&self) -> StateTangent {
+        match self {
+            Self::Free(free) => free.by_lift(),
+            Self::Carried(_) => StateTangent::zeros(),
+        }
+    }
+
     /// Derivative by the logarithm of a principal moment.
     pub fn by_log_moment(&self, axis: usize) -> StateTangent {
         match self {
@@ -126,6 +136,7 @@ impl FreeFlown {
         Self {
             fallen: Fall::new(body, gravity_m_s2, state)
                 .with_drag_free(is_wanted.by_drag)
+                .with_lift_free(is_wanted.by_lift)
                 .fallen(duration_s),
             turn: turn(body, &state.orientation, omega, duration_s),
             by_moments: by_moments.then(|| turn_by_moments(body, omega, duration_s)),
@@ -160,6 +171,12 @@ impl FreeFlown {
         set(r, r, &turn.orientation_by_orientation);
         set(r, w, &turn.orientation_by_angular_velocity);
         set(w, w, &turn.angular_velocity_by_angular_velocity);
+        if let Some(spinning) = &fallen.by_spinning {
+            for (row, at) in [x, v].into_iter().enumerate() {
+                set(at, r, &spinning.by_orientation[row]);
+                set(at, w, &spinning.by_angular_velocity[row]);
+            }
+        }
         by
     }
 
@@ -185,6 +202,17 @@ impl FreeFlown {
         by
     }
 
+    /// Derivative by the lift.
+    fn by_lift(&self) -> StateTangent {
+        let mut by = StateTangent::zeros();
+        if let Some(spinning) = &self.fallen.by_spinning {
+            let [position, velocity] = &spinning.by_lift;
+            by.fixed_rows_mut::<3>(part::POSITION).copy_from(position);
+            by.fixed_rows_mut::<3>(part::VELOCITY).copy_from(velocity);
+        }
+        by
+    }
+
     /// Derivative by the logarithm of a principal moment.
     fn by_log_moment(&self, axis: usize) -> StateTangent {
         let mut by = StateTangent::zeros();
@@ -203,6 +231,8 @@ impl FreeFlown {
 pub struct WantedDerivatives {
     /// Those by drag.
     pub by_drag: bool,
+    /// Those by lift.
+    pub by_lift: bool,
     /// Those by the moments.
     pub by_moments: bool,
 }

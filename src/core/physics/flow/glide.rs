@@ -1,16 +1,17 @@
-//! The centre of mass of a body with drag, step by step.
+//! The centre of mass of a body with drag and lift, step by step.
 //!
 //! ```text
-//! x' = v,   v' = a(v) = p − k v − c|v| v,   p = g + f
+//! x' = v,   v' = a(v) = p + Ω × v − k v − c|v| v,   p = g + f,   Ω = ℓ ω
 //! ```
 //!
-//! by the explicit Runge–Kutta method of Cooper and Verner ("Some explicit Runge–Kutta methods of
-//! high order", SIAM Journal on Numerical Analysis 9, 1972): eleven stages, order eight. Steps are
+//! with the angular velocity `ω` of a ball, which is constant in world axes, by the explicit Runge–Kutta method of
+//! Cooper and Verner ("Some explicit Runge–Kutta methods of high order", SIAM Journal on Numerical Analysis 9, 1972): eleven stages, order eight. Steps are
 //! of one fixed length, the last one shorter, so that the result is as smooth in all its inputs as
 //! the method's formula, and derivatives are those of the formula itself, exact to rounding.
 
 use nalgebra::{SMatrix, Vector3};
 
+use crate::math::so3;
 use crate::physics::drag::Drag;
 
 /// Length of a step \[s\]. Over 1 s from 30 m/s a table-tennis ball with `c = 0.13/m` is 3e-13 m off
@@ -18,7 +19,7 @@ use crate::physics::drag::Drag;
 /// at which drag has no second derivative: 1e-9 m for that ball thrown straight up.
 const STEP_S: f64 = 1.0 / 128.0;
 
-/// Greatest `(k + c|v|)` times the length of a step. A balloon of `c = 3/m`, hit at 10 m/s, begins at
+/// Greatest `(k + c|v| + |Ω|)` times the length of a step. A balloon of `c = 3/m`, hit at 10 m/s, begins at
 /// 0.23 and is 5e-11 m off after 1 s; one of 10/m begins at 0.78 and is 1e-5 m off.
 const MOST_RATE: f64 = 1.0;
 
@@ -127,6 +128,9 @@ pub(super) mod column {
 /// Derivatives of a vector by [`column`].
 pub(super) type Change = SMatrix<f64, 3, 8>;
 
+/// Derivatives of a vector by `Ω`.
+type ByLifting = SMatrix<f64, 3, 3>;
+
 /// The motion between two steps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GlideNode {
@@ -138,9 +142,9 @@ pub(super) struct GlideNode {
 
 /// Derivatives of a node.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct NodeChange {
-    pub way: Change,
-    pub velocity: Change,
+pub(super) struct NodeChange<const C: usize> {
+    pub way: SMatrix<f64, 3, C>,
+    pub velocity: SMatrix<f64, 3, C>,
 }
 
 /// The motion of a centre of mass from one start: its steps, computed when first needed.
@@ -148,6 +152,8 @@ pub(super) struct NodeChange {
 pub(super) struct Glide {
     pull_m_s2: Vector3<f64>,
     drag: Drag,
+    /// `Ω` [1/s, world], if there is lift.
+    lifting_per_s: Option<Vector3<f64>>,
     start: GlideNode,
     /// Nodes after the start, and before it.
     sides: [GlideSide; 2],
@@ -158,7 +164,9 @@ pub(super) struct Glide {
 struct GlideSide {
     nodes: Vec<GlideNode>,
     /// Of as many of the nodes as were asked for.
-    changes: Vec<NodeChange>,
+    changes: Vec<NodeChange<8>>,
+    /// The same by `Ω`.
+    by_lifting: Vec<NodeChange<3>>,
 }
 
 impl Glide {
@@ -166,11 +174,20 @@ impl Glide {
         Self {
             pull_m_s2,
             drag,
+            lifting_per_s: None,
             start: GlideNode {
                 way_m: Vector3::zeros(),
                 velocity_m_s: *velocity_m_s,
             },
             sides: [GlideSide::default(), GlideSide::default()],
+        }
+    }
+
+    /// The same with lift, of a given `Ω` [1/s, world].
+    pub(super) fn lifted(self, lifting_per_s: Vector3<f64>) -> Self {
+        Self {
+            lifting_per_s: Some(lifting_per_s),
+            ..self
         }
     }
 
@@ -182,26 +199,66 @@ impl Glide {
     }
 
     /// The same with derivatives.
-    pub(super) fn at_with_change(&mut self, duration_s: f64) -> (GlideNode, NodeChange) {
+    pub(super) fn at_with_change(&mut self, duration_s: f64) -> (GlideNode, NodeChange<8>) {
+        let mut start = Change::zeros();
+        start
+            .fixed_columns_mut::<3>(column::VELOCITY)
+            .fill_diagonal(1.0);
+        let direct = |velocity: &Vector3<f64>, acceleration: &mut Change| {
+            for axis in 0..3 {
+                acceleration[(axis, column::PULL + axis)] += 1.0;
+                acceleration[(axis, column::LINEAR_DRAG)] -= velocity[axis];
+                acceleration[(axis, column::QUADRATIC_DRAG)] -= velocity.norm() * velocity[axis];
+            }
+        };
+        self.followed(duration_s, |side| &mut side.changes, start, direct)
+    }
+
+    /// Derivatives after `duration_s` by `Ω`: `δa = δΩ × v`.
+    pub(super) fn by_lifting(&mut self, duration_s: f64) -> NodeChange<3> {
+        let direct = |velocity: &Vector3<f64>, acceleration: &mut ByLifting| {
+            *acceleration -= so3::hat(velocity);
+        };
+        self.followed(
+            duration_s,
+            |side| &mut side.by_lifting,
+            ByLifting::zeros(),
+            direct,
+        )
+        .1
+    }
+
+    /// The node after `duration_s` with derivatives by something: those that are kept, those of the velocity at the start,
+    /// and what is added to those of the acceleration at a velocity.
+    fn followed<const C: usize>(
+        &mut self,
+        duration_s: f64,
+        kept: impl Fn(&mut GlideSide) -> &mut Vec<NodeChange<C>>,
+        velocity: SMatrix<f64, 3, C>,
+        direct: impl Fn(&Vector3<f64>, &mut SMatrix<f64, 3, C>),
+    ) -> (GlideNode, NodeChange<C>) {
         let (side, whole, rest_s) = self.reach(duration_s);
         let step_s = STEP_S.copysign(duration_s);
-        while self.sides[side].changes.len() <= whole {
-            let GlideSide { nodes, changes } = &self.sides[side];
+        let mut changes = std::mem::take(kept(&mut self.sides[side]));
+        let nodes = &self.sides[side].nodes;
+        while changes.len() <= whole {
             let next = match changes.last() {
-                None => NodeChange::of_start(),
+                None => NodeChange {
+                    way: SMatrix::zeros(),
+                    velocity,
+                },
                 Some(last) => {
                     let stages = self.stages(&nodes[changes.len() - 1], step_s);
-                    self.change_after(last, &stages, step_s)
+                    self.change_after(last, &stages, step_s, &direct)
                 }
             };
-            self.sides[side].changes.push(next);
+            changes.push(next);
         }
-        let GlideSide { nodes, changes } = &self.sides[side];
         let stages = self.stages(&nodes[whole], rest_s);
-        (
-            nodes[whole].after(&stages, rest_s),
-            self.change_after(&changes[whole], &stages, rest_s),
-        )
+        let node = nodes[whole].after(&stages, rest_s);
+        let change = self.change_after(&changes[whole], &stages, rest_s, &direct);
+        *kept(&mut self.sides[side]) = changes;
+        (node, change)
     }
 
     /// Computes the nodes up to a time: their side, the last node, and the time left from it.
@@ -223,7 +280,10 @@ impl Glide {
 
     /// Velocities and accelerations at the stages of a step; not numbers beyond [`MOST_RATE`].
     fn stages(&self, from: &GlideNode, step_s: f64) -> [[Vector3<f64>; 2]; STAGES] {
-        let rate = self.drag.rate_per_s(&from.velocity_m_s) * STEP_S;
+        let mut rate = self.drag.rate_per_s(&from.velocity_m_s) * STEP_S;
+        if let Some(lifting_per_s) = &self.lifting_per_s {
+            rate += lifting_per_s.norm() * STEP_S;
+        }
         if !(rate <= MOST_RATE) {
             return [[Vector3::repeat(f64::NAN); 2]; STAGES];
         }
@@ -233,20 +293,25 @@ impl Glide {
             for (weight, [_, earlier]) in weights.iter().zip(&stages) {
                 velocity += earlier * (weight * step_s);
             }
-            let acceleration = self.pull_m_s2 + self.drag.acceleration_m_s2(&velocity);
+            let mut acceleration = self.pull_m_s2 + self.drag.acceleration_m_s2(&velocity);
+            if let Some(lifting_per_s) = &self.lifting_per_s {
+                acceleration += lifting_per_s.cross(&velocity);
+            }
             stages[stage] = [velocity, acceleration];
         }
         stages
     }
 
-    /// Derivatives after a step, from its stages and the derivatives before it.
-    fn change_after(
+    /// Derivatives after a step, from its stages and the derivatives before it; `direct` adds to those of the
+    /// acceleration what is not by the velocity.
+    fn change_after<const C: usize>(
         &self,
-        from: &NodeChange,
+        from: &NodeChange<C>,
         stages: &[[Vector3<f64>; 2]; STAGES],
         step_s: f64,
-    ) -> NodeChange {
-        let mut accelerations = [Change::zeros(); STAGES];
+        direct: &impl Fn(&Vector3<f64>, &mut SMatrix<f64, 3, C>),
+    ) -> NodeChange<C> {
+        let mut accelerations = [SMatrix::<f64, 3, C>::zeros(); STAGES];
         let mut after = *from;
         for (stage, [velocity, _]) in stages.iter().enumerate() {
             let mut change = from.velocity;
@@ -255,12 +320,12 @@ impl Glide {
                     change += earlier * (weight * step_s);
                 }
             }
-            let mut acceleration = self.drag.acceleration_by_velocity_per_s(velocity) * change;
-            for axis in 0..3 {
-                acceleration[(axis, column::PULL + axis)] += 1.0;
-                acceleration[(axis, column::LINEAR_DRAG)] -= velocity[axis];
-                acceleration[(axis, column::QUADRATIC_DRAG)] -= velocity.norm() * velocity[axis];
+            let mut by_velocity = self.drag.acceleration_by_velocity_per_s(velocity);
+            if let Some(lifting_per_s) = &self.lifting_per_s {
+                by_velocity += so3::hat(lifting_per_s);
             }
+            let mut acceleration = by_velocity * change;
+            direct(velocity, &mut acceleration);
             if B[stage] != 0.0 {
                 after.way += change * (B[stage] * step_s);
                 after.velocity += acceleration * (B[stage] * step_s);
@@ -268,19 +333,6 @@ impl Glide {
             accelerations[stage] = acceleration;
         }
         after
-    }
-}
-
-impl NodeChange {
-    fn of_start() -> Self {
-        let mut velocity = Change::zeros();
-        velocity
-            .fixed_columns_mut::<3>(column::VELOCITY)
-            .fill_diagonal(1.0);
-        Self {
-            way: Change::zeros(),
-            velocity,
-        }
     }
 }
 

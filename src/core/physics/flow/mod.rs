@@ -5,7 +5,7 @@
 //! I ω̇ = (I ω) × ω,   Ṙ = R [ω]×                    Euler's equations, ω in body axes
 //! ```
 //!
-//! With drag the centre of mass is integrated (`fall`, whose steps are in `glide`).
+//! With drag and lift the centre of mass is integrated (`fall`, whose steps are in `glide`).
 //!
 //! How the rotation is integrated depends on the principal moments:
 //!
@@ -38,7 +38,7 @@ mod turned;
 pub use asymmetric::moments::{SpinByMoments, TurnByMoments, turn_by_moments};
 pub use asymmetric::{ANGLE_MAX_RAD, Steps};
 pub(super) use axial::Precession;
-pub use fall::{Fall, Fallen};
+pub use fall::{Fall, Fallen, FallenBySpinning};
 pub use flight::{advance, position, rate, velocity};
 pub use flown::{Flown, FreeFlown, WantedDerivatives};
 pub use supported::{Carried, LEAST_TURNING_M_S, Supported};

@@ -17,7 +17,7 @@ const HASTE: f64 = 2.5;
 /// The same bounds for one flight.
 const FLIGHT_SLOWNESS: f64 = 16.0;
 const FLIGHT_HASTE: f64 = 3.0;
-/// Number of intervals of what a support carries.
+/// Number of intervals of what a support carries or the air lifts.
 const MOMENTS: usize = 64;
 /// Least number of samples of a flight to check its tempo.
 const LEAST: usize = 4;
@@ -28,8 +28,9 @@ pub(super) fn doubts(scene: &Scene, estimate: &Estimate, flights: &[CredibleFlig
         let arc = flight.arc;
         let link = scene.free_link(arc.mechanism);
         let link = &scene.links[link];
-        // Of what is carried bounds are wide: it is looked at, moment by moment.
-        let moments = if arc.support.is_some() { MOMENTS } else { 1 };
+        // Of what is carried or lifted bounds are wide: it is looked at, moment by moment.
+        let is_bent = arc.support.is_some() || link.body.lift() != 0.0;
+        let moments = if is_bent { MOMENTS } else { 1 };
         let step_s = (arc.end_s - arc.start_s) / moments as f64;
         let states = (0..=moments).map(|at| {
             let time_s = arc.start_s + at as f64 * step_s;

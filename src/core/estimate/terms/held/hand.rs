@@ -49,8 +49,8 @@ impl HeldState {
             angular_velocity_rad_s: omega,
             ..
         } = there.state;
-        let drag = body.drag().acceleration_m_s2(&velocity_m_s);
-        let flown = body.pull_m_s2(&gravity) + drag;
+        let spin = there.state.orientation * omega;
+        let flown = body.pull_m_s2(&gravity) + body.air_m_s2(&velocity_m_s, &spin);
         let moments = body.moments_kg_m2();
         let turned = -omega
             .cross(&moments.component_mul(&omega))

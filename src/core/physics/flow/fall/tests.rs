@@ -1,11 +1,12 @@
-use nalgebra::UnitQuaternion;
+use nalgebra::{Quaternion, UnitQuaternion};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
 use crate::math::differentiate;
 use crate::physics::drag::Drag;
-use crate::physics::flow;
+use crate::physics::flow::{self, Flown, WantedDerivatives};
+use crate::physics::state::StateTangent;
 
 const GRAVITY: Vector3<f64> = Vector3::new(0.1, 0.2, -9.81);
 
@@ -260,5 +261,125 @@ fn what_cannot_be_followed_is_not_a_number() {
     assert!(!flow::advance(&honey, &GRAVITY, &fast, 0.1).is_finite());
     for s in [f64::NAN, f64::INFINITY, -1e9] {
         assert!(flow::position(&ball, &GRAVITY, &fast, s).x.is_nan());
+    }
+}
+
+/// A ball that drag slows and lift bends.
+fn ball(lift: f64) -> Body {
+    let drag = Drag {
+        linear_per_s: 0.2,
+        quadratic_per_m: 0.13,
+    };
+    let body = Body::new(0.0027, Vector3::repeat(7e-7)).unwrap();
+    body.with_drag(drag).unwrap().with_lift(lift).unwrap()
+}
+
+fn spinning() -> State {
+    State {
+        orientation: UnitQuaternion::from_euler_angles(0.4, -0.9, 1.3),
+        angular_velocity_rad_s: Vector3::new(60.0, -150.0, 90.0),
+        ..thrown([8.0, 1.5, 2.0])
+    }
+}
+
+/// By classic Runge–Kutta in fine steps of place, velocity and orientation: the angular velocity is turned into world axes
+/// wherever it is needed.
+fn lifted(body: &Body, start: &State, duration_s: f64) -> Vector3<f64> {
+    let omega = start.angular_velocity_rad_s;
+    let rates = |v: &Vector3<f64>, q: &Quaternion<f64>| {
+        let spin = (q * Quaternion::from_imag(omega) * q.conjugate()).imag() / q.norm_squared();
+        let drag = body.drag();
+        let slowed = v * (drag.linear_per_s + drag.quadratic_per_m * v.norm());
+        let acceleration = GRAVITY + spin.cross(v) * body.lift() - slowed;
+        (*v, acceleration, q * Quaternion::from_imag(omega) * 0.5)
+    };
+    let steps = (duration_s.abs() * 32_000.0).ceil();
+    let h = duration_s / steps;
+    let (mut x, mut v) = (start.position_m, start.velocity_m_s);
+    let mut q = start.orientation.into_inner();
+    for _ in 0..steps as usize {
+        let one = rates(&v, &q);
+        let two = rates(&(v + one.1 * (0.5 * h)), &(q + one.2 * (0.5 * h)));
+        let three = rates(&(v + two.1 * (0.5 * h)), &(q + two.2 * (0.5 * h)));
+        let four = rates(&(v + three.1 * h), &(q + three.2 * h));
+        x += (one.0 + (two.0 + three.0) * 2.0 + four.0) * (h / 6.0);
+        v += (one.1 + (two.1 + three.1) * 2.0 + four.1) * (h / 6.0);
+        q += (one.2 + (two.2 + three.2) * 2.0 + four.2) * (h / 6.0);
+    }
+    x
+}
+
+#[test]
+fn lifted_balls_agree_with_a_far_finer_integration() {
+    let state = spinning();
+    for (lift, duration_s) in [(0.006, 1.0), (0.006, -0.2), (-0.03, 0.4), (0.02, 0.013)] {
+        let found = flow::position(&ball(lift), &GRAVITY, &state, duration_s);
+        let off_m = (found - lifted(&ball(lift), &state, duration_s)).norm();
+        assert!(off_m < 1e-10, "{lift} {duration_s}: {off_m:e}");
+        let straight_m = flow::position(&ball(0.0), &GRAVITY, &state, duration_s);
+        assert!((found - straight_m).norm() > 100.0 * off_m + 1e-6);
+    }
+}
+
+/// Without gravity and drag, a ball goes on a helix as fast as it was thrown.
+#[test]
+fn lift_turns_the_velocity_and_does_no_work() {
+    let body = Body::new(0.4, Vector3::repeat(2e-3)).unwrap();
+    let (body, state) = (body.with_lift(0.05).unwrap(), spinning());
+    let about = state.orientation * state.angular_velocity_rad_s * 0.05;
+    for s in [0.3, 1.2, -0.5] {
+        let found = flow::velocity(&body, &Vector3::zeros(), &state, s);
+        let turned = UnitQuaternion::from_scaled_axis(about * s) * state.velocity_m_s;
+        assert!((found - turned).norm() < 1e-10, "{s}: {found} {turned}");
+    }
+}
+
+#[test]
+fn derivatives_with_lift_are_exact() {
+    // In these shares of each unit: of the state, the pull, both drags and the lift.
+    let unit = |at: usize| match at {
+        9..12 => 1.0,
+        17 => 0.01,
+        _ => 0.05,
+    };
+    for (lift, s) in [(0.006, 0.7), (0.006, -0.2), (-0.02, 0.3), (0.0, 0.5)] {
+        let from = spinning();
+        let moved = |d: &[f64]| {
+            let d: Vec<f64> = d.iter().enumerate().map(|(at, d)| unit(at) * d).collect();
+            let drag = Drag {
+                linear_per_s: 0.2 + d[15],
+                quadratic_per_m: 0.13 + d[16],
+            };
+            let body = ball(lift + d[17]).with_drag(drag).unwrap();
+            let state = from.retract(&StateTangent::from_column_slice(&d[..12]));
+            let gravity = GRAVITY + Vector3::from_column_slice(&d[12..15]);
+            flow::advance(&body, &gravity, &state, s)
+        };
+        let base = moved(&[0.0; 18]);
+        let numeric =
+            differentiate::jacobian(12, 18, |d| moved(d).minus(&base).iter().copied().collect());
+        let wanted = WantedDerivatives {
+            by_drag: true,
+            by_lift: true,
+            by_moments: false,
+        };
+        let flown = Flown::new(&ball(lift), &GRAVITY, &from, s, wanted);
+        assert!(flown.state().minus(&base).norm() < 1e-12);
+        let by_state = flown.by_state();
+        for column in 0..18 {
+            let exact = match column {
+                0..12 => by_state.column(column).into_owned(),
+                12..15 => flown.by_pull(column - 12),
+                15 | 16 => flown.by_drag(column - 15),
+                _ => flown.by_lift(),
+            };
+            for row in 0..12 {
+                let (found, exact) = (numeric[row][column] / unit(column), exact[row]);
+                assert!(
+                    (found - exact).abs() < 2e-7 * (1.0 + exact.abs()),
+                    "{lift} {s}: {row} {column} {found} {exact}"
+                );
+            }
+        }
     }
 }
