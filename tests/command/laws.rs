@@ -189,3 +189,122 @@ fn a_ball_that_spins_curves_and_its_lift_is_told() {
     }
     assert!(inside >= 25, "{inside} of 30");
 }
+
+/// A solid ball of 30 mm that falls onto the table with backspin and bounces thrice, back and forth: flights in closed form,
+/// impulses as of Garwin's superball. Its samples, when it hits and ends.
+fn superball(restitution: f64, tangential: f64, random: &mut ChaCha8Rng) -> (String, Vec<f64>) {
+    let r = 0.03;
+    let g = Vector3::z() * -GRAVITY_M_S2;
+    let mut x = Vector3::new(0.1, 0.0, r + random.random_range(0.3..0.45));
+    let mut v = Vector3::new(
+        random.random_range(0.9..1.4),
+        random.random_range(-0.3..0.3),
+        0.0,
+    );
+    let mut w = Vector3::new(
+        random.random_range(-8.0..8.0),
+        random.random_range(-75.0..-50.0),
+        random.random_range(-8.0..8.0),
+    );
+    let mut q = UnitQuaternion::identity();
+    let (mut now_s, mut sample) = (0.0, 0);
+    let mut samples = Samples::default();
+    let mut times_s = Vec::new();
+    let mut turns_back = 0;
+    for hit in 0..4 {
+        let down_m_s = (v.z * v.z + 2.0 * GRAVITY_M_S2 * (x.z - r)).max(0.0).sqrt();
+        let lasts_s = match hit {
+            3 => 0.2,
+            _ => (v.z + down_m_s) / GRAVITY_M_S2,
+        };
+        while f64::from(sample) * 0.005 <= now_s + lasts_s {
+            let s = f64::from(sample) * 0.005 - now_s;
+            let position_m = x + v * s + g * (0.5 * s * s);
+            let turned = UnitQuaternion::from_scaled_axis(w * s) * q;
+            samples.add(now_s + s, &position_m, &turned, random);
+            sample += 1;
+        }
+        now_s += lasts_s;
+        x += v * lasts_s + g * (0.5 * lasts_s * lasts_s);
+        v += g * lasts_s;
+        q = UnitQuaternion::from_scaled_axis(w * lasts_s) * q;
+        times_s.push(now_s);
+        if hit == 3 {
+            break;
+        }
+        // Per mass; a solid ball's moment is 2/5 m r².
+        let arm = Vector3::z() * -r;
+        let mut slip = v + w.cross(&arm);
+        slip.z = 0.0;
+        let across = slip * (-(1.0 + tangential) * 2.0 / 7.0);
+        let along = -(1.0 + restitution) * v.z;
+        assert!(across.norm() < 0.8 * along, "it grips");
+        let came = v.x;
+        v += across + Vector3::z() * along;
+        w += arm.cross(&across) / (0.4 * r * r);
+        turns_back += usize::from(came * v.x < 0.0);
+    }
+    assert!(turns_back > 1, "it goes back and forth");
+    let last = times_s.last_mut().expect("an end");
+    *last -= 0.006;
+    (samples.csv, times_s)
+}
+
+#[test]
+fn a_superball_goes_back_and_forth_as_its_law_says() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let hits = ["one", "two", "three"].map(|name| {
+        format!("[[event]]\nname = \"{name}\"\nkind = \"collision\"\nbody = \"ball\"\nsurface = \"table\"\n")
+    });
+    let free = "[[free]]\nquantity = \"ball.restitution\"\n[[free]]\nquantity = \"ball.tangential_restitution\"\n";
+    for seed in 0..6 {
+        let mut random = ChaCha8Rng::seed_from_u64(9900 + seed);
+        let is_elastic = seed == 5;
+        let (restitution, tangential) = match is_elastic {
+            true => (1.0, 1.0),
+            false => (
+                random.random_range(0.8..0.95),
+                random.random_range(0.35..0.9),
+            ),
+        };
+        let (csv, times_s) = superball(restitution, tangential, &mut random);
+        let names = ["one", "two", "three", "end"];
+        let mut marks = vec![(0.0, "go")];
+        for (time_s, name) in times_s.iter().zip(names) {
+            let off_s = match name {
+                "end" => 0.0,
+                _ => random.random_range(-0.006..0.006),
+            };
+            marks.push((time_s + off_s, name));
+        }
+        let asked = |of_ball: &str, free: &str| {
+            let scene = thrown(of_ball, &hits.concat(), free);
+            replayed(folder.path(), &scene, &csv, &marks)
+        };
+        let known = format!(
+            "restitution = {restitution}\nfriction = 0.9\ntangential_restitution = {tangential}\n"
+        );
+        assert_right(&asked(&known, ""), &format!("{seed}, known"));
+        let gripping = asked("restitution = 0.9\nfriction = 0.9\n", free_of_restitution());
+        assert_ne!(gripping["fits"], "yes", "{seed}: {gripping}");
+        if is_elastic {
+            continue;
+        }
+        let said = asked(
+            "restitution = 0.9\nfriction = 0.9\ntangential_restitution = 0.5\n",
+            free,
+        );
+        assert_right(&said, &format!("{seed}"));
+        for (name, truth) in [
+            ("restitution", restitution),
+            ("tangential_restitution", tangential),
+        ] {
+            let of = &said["parameters"][format!("ball.{name}")];
+            assert_within(of, "value", "sd", truth, 0.02, name);
+        }
+    }
+}
+
+fn free_of_restitution() -> &'static str {
+    "[[free]]\nquantity = \"ball.restitution\"\n"
+}

@@ -399,6 +399,7 @@ fn the_estimators_law_agrees_on_the_meeting() {
         let law = Law {
             restitution: value(&truth, |q| q == Quantity::Restitution { law }),
             friction: 0.0,
+            tangential_restitution: 0.0,
             tilt_rad,
         };
         let impact = meeting.impact(&a, b.as_ref(), &law).unwrap();

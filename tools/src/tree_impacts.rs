@@ -286,6 +286,7 @@ fn struck_motion(
                 let law = Law {
                     restitution: struck.law[0],
                     friction: struck.law[1],
+                    tangential_restitution: 0.0,
                     tilt_rad: [0.0; 2],
                 };
                 let forest = scene.forest();

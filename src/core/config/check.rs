@@ -296,8 +296,12 @@ fn collision(scene: &Scene, of: &Collision) -> String {
         true => format!(", friction {}", law.friction),
         false => String::new(),
     };
+    let tangential = match law.tangential_restitution > 0.0 {
+        true => format!(", tangential restitution {}", law.tangential_restitution),
+        false => String::new(),
+    };
     format!(
-        "{} of {} hits {other}, restitution {}{friction}",
+        "{} of {} hits {other}, restitution {}{friction}{tangential}",
         own.join(", "),
         link.name,
         law.restitution

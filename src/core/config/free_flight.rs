@@ -71,6 +71,10 @@ fn without_contact(event: &RawEvent, kind: EventKind) -> Result<EventKind, Fault
         ("restitution", event.restitution.as_ref().map(Spanned::span)),
         ("bumper", event.bumper.as_ref().map(Spanned::span)),
         ("friction", event.friction.as_ref().map(Spanned::span)),
+        (
+            "tangential_restitution",
+            event.tangential_restitution.as_ref().map(Spanned::span),
+        ),
         ("count", event.count.as_ref().map(Spanned::span)),
     ] {
         if let Some(span) = span {

@@ -1,4 +1,4 @@
-//! Contact laws: restitution and friction of a body, or of one event.
+//! Contact laws: restitutions and friction of a body, or of one event.
 
 use crate::config::spanned::Spanned;
 use typed_index_collections::TiVec;
@@ -24,6 +24,7 @@ pub(super) fn of_bodies(raw: &[Spanned<RawBody>], laws: &mut Laws) -> Result<Bod
         let Some(restitution) = &body.restitution else {
             let others = [
                 (&body.friction, "friction"),
+                (&body.tangential_restitution, "tangential restitution"),
                 (&body.restitution_sd, "deviation of it"),
                 (&body.friction_sd, "deviation of its friction"),
             ];
@@ -38,7 +39,15 @@ pub(super) fn of_bodies(raw: &[Spanned<RawBody>], laws: &mut Laws) -> Result<Bod
             return Ok(None);
         };
         let name = body.name.get_ref();
-        let law = law(name, restitution, body.friction.as_ref(), false)?;
+        let law = law(
+            name,
+            &LawNumbers {
+                restitution,
+                friction: body.friction.as_ref(),
+                tangential: body.tangential_restitution.as_ref(),
+                is_bumper: false,
+            },
+        )?;
         let sd = |what: &str, number: &Option<Number>| match number {
             None => Ok(0.0),
             Some(number) => within(what, number, 1.0),
@@ -62,6 +71,12 @@ pub(super) fn of_event(
     laws: &mut Laws,
 ) -> Result<ContactLawIndex, Fault> {
     let event = spanned.get_ref();
+    if let (Some(tangential), None) = (&event.tangential_restitution, &event.restitution) {
+        return fault(
+            tangential.span(),
+            "the event has a tangential restitution of its own but no restitution, expected both or neither",
+        );
+    }
     if let (Some(bumper), None) = (&event.bumper, &event.restitution) {
         return fault(
             bumper.span(),
@@ -71,13 +86,21 @@ pub(super) fn of_event(
     let of_bodies: Vec<ContactLawIndex> = collision.links().filter_map(|l| of_links[l]).collect();
     let found = match (&event.restitution, &event.friction, of_bodies.as_slice()) {
         (Some(restitution), friction, bodies) => {
-            if let (None, Some(body)) = (friction, bodies.first()) {
+            let tangential = event.tangential_restitution.as_ref();
+            if let Some(body) = bodies.first() {
                 let body = &laws[*body];
-                if body.friction > 0.0 {
+                let lacks = match (friction, tangential) {
+                    (None, _) if body.friction > 0.0 => Some("friction"),
+                    (_, None) if body.tangential_restitution > 0.0 => {
+                        Some("tangential restitution")
+                    }
+                    _ => None,
+                };
+                if let Some(what) = lacks {
                     return fault(
                         restitution.span(),
                         format!(
-                            "the event has a restitution of its own but no friction, and {:?} has friction, expected both here or neither",
+                            "the event has a restitution of its own but no {what}, and {:?} has {what}, expected both here or neither",
                             body.name
                         ),
                     );
@@ -93,7 +116,13 @@ pub(super) fn of_event(
                 );
             }
             let is_bumper = event.bumper.as_ref().is_some_and(|of| *of.get_ref());
-            laws.push_and_get_key(law(name, restitution, friction.as_ref(), is_bumper)?)
+            let given = LawNumbers {
+                restitution,
+                friction: friction.as_ref(),
+                tangential,
+                is_bumper,
+            };
+            laws.push_and_get_key(law(name, &given)?)
         }
         (None, Some(friction), [_, ..]) => {
             return fault(
@@ -121,12 +150,27 @@ pub(super) fn of_event(
     Ok(found)
 }
 
-fn law(
-    name: &str,
-    restitution: &Number,
-    friction: Option<&Number>,
+/// What a body or an event says of its law.
+struct LawNumbers<'a> {
+    restitution: &'a Number,
+    friction: Option<&'a Number>,
+    tangential: Option<&'a Number>,
     is_bumper: bool,
-) -> Result<ContactLaw, Fault> {
+}
+
+fn law(name: &str, given: &LawNumbers) -> Result<ContactLaw, Fault> {
+    let LawNumbers {
+        restitution,
+        friction,
+        tangential,
+        is_bumper,
+    } = *given;
+    if let (Some(tangential), None) = (tangential, friction) {
+        return fault(
+            tangential.span(),
+            "a tangential restitution without friction, expected a friction beside it: only what sticks springs back",
+        );
+    }
     let law = ContactLaw {
         is_bumper,
         ..ContactLaw::frictionless(name, *restitution.get_ref())
@@ -145,6 +189,10 @@ fn law(
         friction: match friction {
             None => 0.0,
             Some(number) => within("friction", number, FRICTION_MAX)?,
+        },
+        tangential_restitution: match tangential {
+            None => 0.0,
+            Some(number) => within("tangential_restitution", number, 1.0)?,
         },
         ..law
     })

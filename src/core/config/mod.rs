@@ -41,7 +41,8 @@
 //! `friction`) has them at all its impacts, and they are free together, as `<body>.restitution`.
 //! An event with a `restitution` has a law of its own, `<event>.restitution`; the bounces that a
 //! `count` stands for share theirs. Where two bodies meet that both have one, the event has its own.
-//! `bumper = true` beside an event's own `restitution` says that what is hit gives energy: it may
+//! `tangential_restitution` beside a `friction` says how much of its velocity along the surface what
+//! sticks springs back with, as a superball does. `bumper = true` beside an event's own `restitution` says that what is hit gives energy: it may
 //! exceed 1 there, and only there.
 //!
 //! # What trackers see
@@ -117,6 +118,7 @@
 //! | `gravity.x`, `gravity.y`, `gravity.z` | gravity | m/s² | the scene's | −∞, +∞ |
 //! | `<body>.restitution`, `<event>.restitution` | coefficient of restitution | none | the scene's | 0, 1; of a bumper 0, 10 |
 //! | `<body>.friction`, `<event>.friction` | coefficient of friction | none | the scene's | 0, +∞ |
+//! | `<body>.tangential_restitution`, `<event>.tangential_restitution` | with how much of its velocity along the surface what sticks springs back | none | the scene's | 0, 1 |
 //! | `<event>.tilt.0`, `<event>.tilt.1` | tilt of the normal that one impact sees | ° | 0 | −∞, +∞ |
 //! | `<body>.force.x`, `<body>.force.y`, `<body>.force.z` | constant force per mass, world axes | m/s² | `force_m_s2` | −∞, +∞ |
 //! | `<body>.drag.linear` | drag that grows with speed, per mass | 1/s | `drag_linear_per_s` | 0, +∞ |

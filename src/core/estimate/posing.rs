@@ -394,6 +394,7 @@ fn collisions(
             law: scene.impact_law(collision),
             restitution_parameter: parameter(Quantity::Restitution { law }),
             friction_parameter: parameter(Quantity::Friction { law }),
+            tangential_parameter: parameter(Quantity::TangentialRestitution { law }),
             tilts: (0..2)
                 .filter_map(|tangent| {
                     Some((tangent, parameter(Quantity::Tilt { event, tangent })?))

@@ -249,12 +249,14 @@ pub struct ArcCollision {
     pub contacts: ContactSet,
     /// Whether a goal fixes the body in contact, so that no row is needed for the gap.
     pub touches_by_goal: bool,
-    /// Restitution, friction and tilt, where they are not free.
+    /// Restitutions, friction and tilt, where they are not free.
     pub law: Law,
     /// Parameter that holds the restitution.
     pub restitution_parameter: Option<usize>,
     /// Parameter that holds the friction.
     pub friction_parameter: Option<usize>,
+    /// Parameter that holds the tangential restitution.
+    pub tangential_parameter: Option<usize>,
     /// Tangents of the first contact's face and the parameters that hold the tilt about them.
     pub tilts: Vec<(usize, usize)>,
     /// Parameters that act on its flights, bodies or surface, where it is not plain; gravity among
@@ -342,6 +344,10 @@ impl ArcCollision {
         Law {
             restitution: value(self.restitution_parameter, self.law.restitution),
             friction: value(self.friction_parameter, self.law.friction),
+            tangential_restitution: value(
+                self.tangential_parameter,
+                self.law.tangential_restitution,
+            ),
             tilt_rad,
         }
     }

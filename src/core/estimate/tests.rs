@@ -519,6 +519,7 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
             meeting(timing, 0.0),
             meeting(timing, 0.05),
             meeting(timing, 9.0),
+            laws::springing(timing),
             held::held(timing, 0.0),
             held::held(timing, 9.0),
             landing(timing),
@@ -533,6 +534,7 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
         let modelled = [
             modelled(scene(timing)),
             laws::lifted(timing),
+            modelled(laws::springing(timing)),
             modelled(meeting(timing, 9.0)),
             held::modelled_held(timing),
         ];

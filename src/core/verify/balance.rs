@@ -15,7 +15,7 @@
 //! - the energy loss follows restitution. With the contacts' relative speeds `u` along the normals
 //!   and Delassus' operator `W` (speeds per impulses) of all bodies it is `½ (1 − e²) uᵀ W⁻¹ u`;
 //!   friction at one contact takes between zero and `½ (vᵀ W⁻¹ v − u²/(nᵀ W n))` more, the whole
-//!   energy of sliding there; that of a flat landing all of what impulses along the normals leave. Of a
+//!   energy of sliding there, and the less the more of it springs back; that of a flat landing all of what impulses along the normals leave. Of a
 //!   bumper, with `e > 1`, the least loss is a gain, and a greater one is none of the law.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};

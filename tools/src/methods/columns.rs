@@ -108,6 +108,7 @@ impl Columns {
             before.extend(&events[collision.event]);
             before.extend(collision.restitution_parameter.map(Source::Parameter));
             before.extend(collision.friction_parameter.map(Source::Parameter));
+            before.extend(collision.tangential_parameter.map(Source::Parameter));
             before.extend(collision.tilts.iter().map(|(_, p)| Source::Parameter(*p)));
             if problem.velocity_gap_weight.is_some() {
                 before.insert(Source::Gap(index));

@@ -35,6 +35,7 @@ pub fn of_collision(problem: &Problem, index: usize) -> Vec<Part> {
     parts.extend(gravity(problem));
     parts.extend(collision.restitution_parameter.map(Part::Parameter));
     parts.extend(collision.friction_parameter.map(Part::Parameter));
+    parts.extend(collision.tangential_parameter.map(Part::Parameter));
     parts.extend(collision.tilts.iter().map(|(_, p)| Part::Parameter(*p)));
     parts
 }

@@ -256,6 +256,7 @@ pub fn play_in(scene: &Scene, game: Game, seen: &Seen, seed: u64) -> Option<Held
         let law = Law {
             restitution: given.restitution,
             friction: given.friction,
+            tangential_restitution: 0.0,
             tilt_rad: [0.0; 2],
         };
         let a = Side {

@@ -135,6 +135,7 @@ impl<'a> JoinedPart<'a> {
             }
             Quantity::Restitution { .. }
             | Quantity::Friction { .. }
+            | Quantity::TangentialRestitution { .. }
             | Quantity::Tilt { .. }
             | Quantity::Gravity { .. }
             | Quantity::Moment { .. }

@@ -201,8 +201,10 @@ pub(super) fn check_begin(
             let feature = &scene.links[phase.link].features[on.feature];
             let is_flat = matches!(feature.geometry, Feature::Face { .. });
             let stops = set.is_some_and(|set| set.is_landing()) && on.sustained == Sustained::Rest;
-            let grips =
-                !is_flat && on.sustained == Sustained::Roll && scene.law_of(of).friction > 0.0;
+            let grips = !is_flat
+                && on.sustained == Sustained::Roll
+                && scene.law_of(of).friction > 0.0
+                && !scene.springs_back(of.law);
             if on.sustained != Sustained::Slide && !stops && !grips {
                 return fault(
                     raw.from.span(),

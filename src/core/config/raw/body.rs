@@ -70,6 +70,9 @@ pub(in crate::config) struct RawBody {
     pub(in crate::config) restitution: Option<Number>,
     /// Coefficient of friction at all its impacts, beside `restitution`. Default: 0.
     pub(in crate::config) friction: Option<Number>,
+    /// Tangential restitution at all its impacts, beside `friction`: where a contact sticks, with how much of its velocity
+    /// along the surface it springs back, from 0 to 1, as a superball does. Default: none.
+    pub(in crate::config) tangential_restitution: Option<Number>,
     /// Standard deviation of `restitution` from one occasion to the next, of which `predict` makes its spread.
     /// Default: 0.
     pub(in crate::config) restitution_sd: Option<Number>,

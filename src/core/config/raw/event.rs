@@ -44,6 +44,8 @@ pub(in crate::config) struct RawEvent {
     pub(in crate::config) bumper: Option<Spanned<bool>>,
     /// Coefficient of friction. Default: that of the body, or none.
     pub(in crate::config) friction: Option<Number>,
+    /// Tangential restitution. Default: that of the body, or none.
+    pub(in crate::config) tangential_restitution: Option<Number>,
     /// How many collisions it stands for: a number, or the least and the greatest. Default: 1.
     pub(in crate::config) count: Option<Spanned<RawCount>>,
     /// "free" or "fixed" at its mark. Default: free for collisions and waypoints, and for an end with a

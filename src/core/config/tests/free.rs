@@ -384,8 +384,12 @@ fn documented_quantities_are_those_that_there_are() {
                 .replace("<event>", "bounce")
                 .replace("<surface>", "table");
             let mut name = name.replace("<body>", "brick");
-            let free =
+            let mut free =
                 format!("[[free]]\nquantity = {name:?}\ninitial = 0.9\nlower = 0.25\nupper = 1\n");
+            if let Some(of) = name.strip_suffix("tangential_restitution") {
+                // Of what has friction.
+                free = format!("[[free]]\nquantity = \"{of}friction\"\n{free}");
+            }
             let meets = format!(
                 "{hit}{}",
                 MEETING

@@ -124,6 +124,62 @@ fn repeated_collisions_have_one_law_between_them() {
 }
 
 #[test]
+fn what_sticks_may_spring_back() {
+    let of_body = "restitution = 0.7\nfriction = 0.2\ntangential_restitution = 0.4";
+    let own = "restitution = 0.5\nfriction = 0.3\ntangential_restitution = 0.9\n";
+    let scene = scene_from_toml(&shared(of_body, own)).unwrap();
+    let laws = laws_of(&scene);
+    let back = laws.iter().map(|law| law.tangential_restitution);
+    assert_eq!(back.collect::<Vec<_>>(), [0.4, 0.9]);
+    let free = "\n[[free]]\nquantity = \"again.tangential_restitution\"\n";
+    let freed = scene_from_toml(&(shared(of_body, own) + free)).unwrap();
+    let last = freed.parameters.last().unwrap();
+    let law = ContactLawIndex(1);
+    assert_eq!(last.quantity, Quantity::TangentialRestitution { law });
+    assert_eq!((last.initial, last.lower, last.upper), (0.9, 0.0, 1.0));
+    let with = freed.with_values(&[(last.quantity, 0.2)]).unwrap();
+    assert_eq!(with.contact_laws[law].tangential_restitution, 0.2);
+    for (keys, line, at, said) in [
+        (
+            "restitution = 0.1\nfriction = 0.1\n",
+            48,
+            "0.1",
+            "\"pencil\" has tangential restitution, expected both",
+        ),
+        (
+            "tangential_restitution = 0.6\n",
+            48,
+            "0.6",
+            "a tangential restitution of its own but no restitution",
+        ),
+        (
+            "restitution = 0.1\nfriction = 0.1\ntangential_restitution = 1.6\n",
+            50,
+            "1.6",
+            "expected 0 to 1",
+        ),
+    ] {
+        refused(&shared(of_body, keys), line, at, said);
+    }
+    let alone = "restitution = 0.7\ntangential_restitution = 0.4";
+    refused(
+        &shared(alone, ""),
+        16,
+        "0.4",
+        "without friction, expected a friction beside it",
+    );
+    let zero = "restitution = 0.7\nfriction = 0\ntangential_restitution = 0.4";
+    let error = scene_from_toml(&shared(zero, "")).unwrap_err().to_string();
+    assert!(
+        error.contains("tangential restitution is for one contact"),
+        "{error}"
+    );
+    let none = shared("restitution = 0.7", "") + &free.replace("again", "pencil");
+    let error = scene_from_toml(&none).unwrap_err().to_string();
+    assert!(error.contains("without friction nothing sticks"), "{error}");
+}
+
+#[test]
 fn halves_of_laws_are_refused() {
     let both = "restitution = 0.7\nfriction = 0.2";
     refused(

@@ -15,6 +15,10 @@ pub(super) fn candidates(scene: &Scene, strayed: Strayed) -> Vec<Quantity> {
             Quantity::Force { .. } => !is_alone,
             // Of a ball of which nobody says that the air lifts it, a curve is a force.
             Quantity::Lift { link } => scene.links[*link].body.lift() != 0.0,
+            // Nor does what nobody says to grip and spring back.
+            Quantity::TangentialRestitution { law } => {
+                scene.contact_laws[*law].tangential_restitution > 0.0
+            }
             _ => true,
         };
         means_something
@@ -31,7 +35,10 @@ pub(super) fn candidates(scene: &Scene, strayed: Strayed) -> Vec<Quantity> {
 
 /// Whether the contacts of all collisions are supported with that quantity free.
 fn is_supported(scene: &Scene, quantity: Quantity) -> bool {
-    if !matches!(quantity, Quantity::Friction { .. } | Quantity::Tilt { .. }) {
+    if !matches!(
+        quantity,
+        Quantity::Friction { .. } | Quantity::TangentialRestitution { .. } | Quantity::Tilt { .. }
+    ) {
         return true;
     }
     let wider = scene.with_free(&[(quantity, scene.value_of(quantity))]);

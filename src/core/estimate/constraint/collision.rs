@@ -25,7 +25,7 @@ use crate::physics::{Body, State};
 
 impl Constraint for ArcCollision {
     /// In the order of a row's columns: states before, the event's time, the state after, gravity,
-    /// restitution, friction, tilts, as far as they go.
+    /// restitution, friction, tangential restitution, tilts, as far as they go.
     fn patterns(&self, problem: &Problem, layout: &Layout) -> [BlockPattern; 2] {
         if !self.is_plain {
             return general::patterns(self, problem, layout);
@@ -47,7 +47,11 @@ impl Constraint for ArcCollision {
         let touching = [before(part::POSITION), gravity.clone()].concat();
         block.push(places.contacts, touching.clone());
         block.push(places.approaches, touching);
-        let law = [self.restitution_parameter, self.friction_parameter];
+        let law = [
+            self.restitution_parameter,
+            self.friction_parameter,
+            self.tangential_parameter,
+        ];
         let tilts = self.tilts.iter().map(|(_, p)| *p);
         let law = law.into_iter().flatten().chain(tilts);
         let law: Vec<usize> = law.map(|p| layout.parameters[p]).collect();

@@ -135,8 +135,8 @@ impl CollisionRows<'_> {
     }
 }
 
-/// Derivatives of a velocity after the impact by restitution, friction and tilts, where they are
-/// free.
+/// Derivatives of a velocity after the impact by restitution, friction, tangential restitution and tilts,
+/// where they are free.
 fn by_law<'a>(
     collision: &'a ArcCollision,
     derivative: &'a ImpactDerivative,
@@ -148,9 +148,12 @@ fn by_law<'a>(
     let tilts = collision.tilts.iter();
     let by_restitution = restitution.map(|_| derivative.after_by_restitution[side][row]);
     let by_friction = friction.map(|_| derivative.after_by_friction[side][row]);
+    let tangential = collision.tangential_parameter;
+    let by_tangential = tangential.map(|_| derivative.after_by_tangential_restitution[side][row]);
     let by_tilts = tilts.map(move |(tangent, _)| derivative.after_by_tilt[side][(row, *tangent)]);
     by_restitution
         .into_iter()
         .chain(by_friction)
+        .chain(by_tangential)
         .chain(by_tilts)
 }

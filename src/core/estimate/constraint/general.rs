@@ -67,6 +67,7 @@ fn law(collision: &ArcCollision) -> impl Iterator<Item = usize> + '_ {
         collision
             .friction_parameter
             .filter(|of| !acts_too(collision, *of)),
+        collision.tangential_parameter,
     ];
     let tilts = collision.tilts.iter().map(|(_, parameter)| *parameter);
     law.into_iter().flatten().chain(tilts)
@@ -282,6 +283,9 @@ pub(super) fn fill(
             None => velocities(derivative.after_by_restitution[index]),
         }));
         columns.extend(friction.map(|_| velocities(derivative.after_by_friction[index])));
+        let tangential = collision.tangential_parameter;
+        let by_tangential = derivative.after_by_tangential_restitution[index];
+        columns.extend(tangential.map(|_| velocities(by_tangential)));
         columns.extend(collision.tilts.iter().map(|(tangent, _)| {
             velocities(derivative.after_by_tilt[index].column(*tangent).into())
         }));

@@ -147,6 +147,7 @@ impl Quantity {
             Quantity::Gravity { .. }
             | Quantity::Restitution { .. }
             | Quantity::Friction { .. }
+            | Quantity::TangentialRestitution { .. }
             | Quantity::Tilt { .. }
             | Quantity::JointPlace { .. }
             | Quantity::JointTurn { .. } => return None,

@@ -1,10 +1,20 @@
-//! Scenes of balls that the air lifts.
+//! Scenes of balls that the air lifts, and of what sticks and springs back.
 
 use nalgebra::Vector3;
 
-use super::{modelled, parameter, scene};
+use super::{LAW, meeting, modelled, parameter, scene};
 use crate::motion::{Quantity, Scene, Timing};
 use crate::physics::Body;
+
+/// Two that stick, and spring back along the surface by as much as is free.
+pub(super) fn springing(timing: Timing) -> Scene {
+    let mut scene = meeting(timing, 9.0);
+    scene.contact_laws[LAW].tangential_restitution = 0.3;
+    let quantity = Quantity::TangentialRestitution { law: LAW };
+    let free = parameter("tangential", quantity, 0.4, (0.0, 1.0));
+    scene.parameters.push(free);
+    scene
+}
 
 /// All of a scene free of balls that the air lifts, whose lift is free.
 pub(super) fn lifted(timing: Timing) -> Scene {

@@ -1,4 +1,4 @@
-//! What of the laws of impacts is unknown: restitution, friction and tilts, each between its bounds, tilts within a cone.
+//! What of the laws of impacts is unknown: restitutions, friction and tilts, each between its bounds, tilts within a cone.
 
 use super::event::TreeEvent;
 use super::point::TreePoint;
@@ -18,6 +18,10 @@ impl TreeEvent {
         };
         value(self.free.restitution, &mut touch.law.restitution);
         value(self.free.friction, &mut touch.law.friction);
+        value(
+            self.free.tangential_restitution,
+            &mut touch.law.tangential_restitution,
+        );
         for tangent in 0..2 {
             value(self.free.tilt[tangent], &mut touch.law.tilt_rad[tangent]);
         }

@@ -14,6 +14,8 @@ pub struct FreeLaw {
     pub restitution: Option<usize>,
     /// its friction,
     pub friction: Option<usize>,
+    /// its tangential restitution,
+    pub tangential_restitution: Option<usize>,
     /// and its tilts.
     pub tilt: [Option<usize>; 2],
 }
@@ -30,6 +32,7 @@ impl FreeLaw {
         Self {
             restitution: place(Quantity::Restitution { law }),
             friction: place(Quantity::Friction { law }),
+            tangential_restitution: place(Quantity::TangentialRestitution { law }),
             tilt: [tilt(0), tilt(1)],
         }
     }
@@ -42,6 +45,10 @@ impl FreeLaw {
         let own = [
             (self.restitution, Some(derivative.by_restitution.clone())),
             (self.friction, Some(derivative.by_friction.clone())),
+            (
+                self.tangential_restitution,
+                Some(derivative.by_tangential_restitution.clone()),
+            ),
         ];
         let tilts = self.tilt.into_iter().enumerate().map(|(tangent, tilt)| {
             let by = derivative.by_tilt.as_ref();
@@ -63,6 +70,9 @@ pub(super) fn freed(scene: &Scene) -> Option<Arc<Scene>> {
 pub(super) fn is_of_law(quantity: Quantity) -> bool {
     matches!(
         quantity,
-        Quantity::Restitution { .. } | Quantity::Friction { .. } | Quantity::Tilt { .. }
+        Quantity::Restitution { .. }
+            | Quantity::Friction { .. }
+            | Quantity::TangentialRestitution { .. }
+            | Quantity::Tilt { .. }
     )
 }

@@ -15,6 +15,8 @@ pub struct ContactLaw {
     pub is_bumper: bool,
     /// Coefficient of Coulomb friction, 0 or more.
     pub friction: f64,
+    /// Tangential restitution, 0 to 1: with how much of its tangential velocity what sticks springs back.
+    pub tangential_restitution: f64,
     /// Standard deviation of the restitution between occasions, as far as it is stated; zero where it is not.
     pub restitution_sd: f64,
     /// That of the friction.
@@ -39,6 +41,7 @@ impl ContactLaw {
             restitution,
             is_bumper: false,
             friction: 0.0,
+            tangential_restitution: 0.0,
             restitution_sd: 0.0,
             friction_sd: 0.0,
         }

@@ -71,10 +71,19 @@ impl Scene {
         } else {
             ContactSet::frictionless(&contacts)?
         };
+        if self.springs_back(law) {
+            set.check_spring_back()?;
+        }
         if is_tilted {
             set.check_tilt()?;
         }
         Ok(Some(set))
+    }
+
+    /// Whether tangential restitution is part of a law, or may become so.
+    pub fn springs_back(&self, law: ContactLawIndex) -> bool {
+        self.contact_laws[law].tangential_restitution > 0.0
+            || self.frees(Quantity::TangentialRestitution { law })
     }
 
     /// Whether friction is part of a law, or may become so.

@@ -87,6 +87,8 @@ impl Scene {
             of.restitution = restitution.unwrap_or(of.restitution);
             let friction = values.of(Quantity::Friction { law });
             of.friction = friction.unwrap_or(of.friction);
+            let tangential = values.of(Quantity::TangentialRestitution { law });
+            of.tangential_restitution = tangential.unwrap_or(of.tangential_restitution);
         }
         for (event, of) in self.events.iter_mut().enumerate() {
             if let EventKind::Collision(collision) = &mut of.kind {

@@ -46,7 +46,13 @@ impl Scene {
     pub fn quantities(&self) -> Vec<Quantity> {
         let gravity = (0..3).map(|axis| Quantity::Gravity { axis });
         let laws = self.contact_laws.keys();
-        let laws = laws.flat_map(|law| [Quantity::Restitution { law }, Quantity::Friction { law }]);
+        let laws = laws.flat_map(|law| {
+            [
+                Quantity::Restitution { law },
+                Quantity::Friction { law },
+                Quantity::TangentialRestitution { law },
+            ]
+        });
         let is_collision = |(_, event): &(usize, &Event)| event.kind.collision().is_some();
         let events = self.events.iter().enumerate().filter(is_collision);
         let at_collisions = events.flat_map(|(event, _)| {
@@ -108,6 +114,9 @@ impl Scene {
             Quantity::Gravity { axis } => format!("gravity.{}", AXES[axis]),
             Quantity::Restitution { law: of } => format!("{}.restitution", law(of)),
             Quantity::Friction { law: of } => format!("{}.friction", law(of)),
+            Quantity::TangentialRestitution { law: of } => {
+                format!("{}.tangential_restitution", law(of))
+            }
             Quantity::Tilt { event, tangent } => {
                 format!("{}.tilt.{tangent}", self.events[event].name)
             }
@@ -199,6 +208,9 @@ impl Scene {
             Quantity::Gravity { axis } => self.gravity_m_s2[axis],
             Quantity::Restitution { law } => self.contact_laws[law].restitution,
             Quantity::Friction { law } => self.contact_laws[law].friction,
+            Quantity::TangentialRestitution { law } => {
+                self.contact_laws[law].tangential_restitution
+            }
             Quantity::Tilt { event, tangent } => {
                 let collision = self.events[event].kind.collision();
                 collision.map_or(0.0, |collision| collision.tilt_rad[tangent])

@@ -156,9 +156,9 @@ impl Scene {
         };
         match quantity {
             Quantity::Gravity { .. } => self.moving().map(|(of, _)| of).collect(),
-            Quantity::Restitution { law } | Quantity::Friction { law } => {
-                of_events(&|event| has_law(event, law))
-            }
+            Quantity::Restitution { law }
+            | Quantity::Friction { law }
+            | Quantity::TangentialRestitution { law } => of_events(&|event| has_law(event, law)),
             Quantity::Tilt { event, .. } | Quantity::ContactDuration { event } => {
                 self.told_by_event(event)
             }

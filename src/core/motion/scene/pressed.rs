@@ -24,6 +24,8 @@ impl Scene {
         Some(Law {
             restitution: value(Quantity::Restitution { law }).unwrap_or(given.restitution),
             friction: value(Quantity::Friction { law }).unwrap_or(given.friction),
+            tangential_restitution: value(Quantity::TangentialRestitution { law })
+                .unwrap_or(given.tangential_restitution),
             tilt_rad: [tilt(0), tilt(1)],
         })
     }

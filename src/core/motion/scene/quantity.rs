@@ -25,6 +25,11 @@ pub enum Quantity {
         /// The law.
         law: ContactLawIndex,
     },
+    /// Tangential restitution of a contact law [–].
+    TangentialRestitution {
+        /// The law.
+        law: ContactLawIndex,
+    },
     /// Tilt of the surface's normal at a collision \[rad\] about one of two tangents: the normal
     /// that the impact sees. Where the surface is does not change.
     Tilt {
@@ -205,6 +210,7 @@ impl Quantity {
             Quantity::Gravity { .. } | Quantity::Force { .. } => "m/s²",
             Quantity::Restitution { .. }
             | Quantity::Friction { .. }
+            | Quantity::TangentialRestitution { .. }
             | Quantity::Lift { .. }
             | Quantity::Moment { .. }
             | Quantity::Mass { .. } => "",
@@ -230,7 +236,7 @@ impl Quantity {
     /// ([`Scene::limits_of`](super::Scene::limits_of)).
     pub fn limits(self) -> [f64; 2] {
         match self {
-            Quantity::Restitution { .. } => [0.0, 1.0],
+            Quantity::Restitution { .. } | Quantity::TangentialRestitution { .. } => [0.0, 1.0],
             Quantity::Friction { .. }
             | Quantity::LinearDrag { .. }
             | Quantity::QuadraticDrag { .. }
@@ -261,6 +267,7 @@ impl Quantity {
             Quantity::Gravity { .. }
             | Quantity::Restitution { .. }
             | Quantity::Friction { .. }
+            | Quantity::TangentialRestitution { .. }
             | Quantity::Tilt { .. }
             | Quantity::Force { .. }
             | Quantity::LinearDrag { .. } => 1.0,

@@ -32,7 +32,9 @@ impl Scene {
                 || phases.any(|phase| phase.on_surface().is_some_and(|on| on.law == law))
         };
         let is_told = |quantity: Quantity| match quantity {
-            Quantity::Restitution { law } | Quantity::Friction { law } => has(law),
+            Quantity::Restitution { law }
+            | Quantity::Friction { law }
+            | Quantity::TangentialRestitution { law } => has(law),
             _ => quantity.event().is_none_or(|of| of < event),
         };
         let told = self.parameters.iter().filter(|of| is_told(of.quantity));

@@ -23,6 +23,9 @@ pub enum Untold {
     /// Three equal moments of a link that never collides.
     #[error("only ratios of moments show in flight, and all moments of this body are equal")]
     MomentCancels,
+    /// The tangential restitution of what has no friction.
+    #[error("without friction nothing sticks: give the friction beside it, or free it before")]
+    NoFriction,
     /// The lift of a body of which moments differ.
     #[error("only a ball is lifted, a body whose three moments are equal")]
     NotRound,
@@ -116,6 +119,10 @@ impl Scene {
             Quantity::Friction { law } => {
                 unless(self.uses(law) || self.has_phase_of(law), Untold::UnusedLaw)
             }
+            Quantity::TangentialRestitution { law } if !self.has_friction(law) => {
+                Some(Untold::NoFriction)
+            }
+            Quantity::TangentialRestitution { law } => unless(self.uses(law), Untold::UnusedLaw),
             Quantity::Lift { link } => unless(self.is_round(link), Untold::NotRound),
             Quantity::Mass { link } => unless(self.met_by(link).len() > 1, Untold::MassCancels),
             Quantity::Moment { link, .. } => unless(
@@ -229,10 +236,12 @@ impl Scene {
                 phases.any(|phase| phase.on_surface().is_some_and(|on| on.surface == surface))
             }
             Quantity::Tilt { event, .. } => phases.any(|phase| phase.events[0] == event),
-            Quantity::Restitution { law } => phases.any(|phase| {
-                let begins = self.events[phase.events[0]].kind.collision();
-                begins.is_some_and(|collision| collision.law == law)
-            }),
+            Quantity::Restitution { law } | Quantity::TangentialRestitution { law } => {
+                phases.any(|phase| {
+                    let begins = self.events[phase.events[0]].kind.collision();
+                    begins.is_some_and(|collision| collision.law == law)
+                })
+            }
             _ => false,
         }
     }

@@ -159,6 +159,7 @@ impl Scene {
         Law {
             restitution: of.restitution,
             friction: of.friction,
+            tangential_restitution: of.tangential_restitution,
             tilt_rad: collision.tilt_rad,
         }
     }

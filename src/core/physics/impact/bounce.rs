@@ -14,7 +14,8 @@ impl ContactSet {
     ///
     /// Fails where a contact is degenerate or the contacts depend on each other. A contact that
     /// recedes is treated by the same formulas without friction, so that every iterate of a solver
-    /// has a result. Panics where the law has friction or tilt and the contact set admits none.
+    /// has a result. Panics where the law has friction, tangential restitution or tilt and the contact set admits
+    /// none.
     pub fn impact(&self, a: &Side, b: Option<&Side>, law: &Law) -> Result<Impact, ImpactError> {
         self.check_law(law);
         Ok(ImpactSolution::new(self, a, b, law)?.impact())
@@ -68,6 +69,10 @@ impl ContactSet {
         assert!(
             self.has_friction() || law.friction == 0.0,
             "friction in a meeting without"
+        );
+        assert!(
+            law.tangential_restitution == 0.0 || self.has_friction() && self.as_slice().len() == 1,
+            "tangential restitution without friction at one contact"
         );
         assert!(
             law.tilt_rad == [0.0; 2] || self.check_tilt().is_ok(),

@@ -86,6 +86,14 @@ impl ContactSet {
         self.has_friction
     }
 
+    /// Fails where nothing that sticks springs back: at several contacts at once, and without friction.
+    pub fn check_spring_back(&self) -> Result<(), ContactSetError> {
+        match self.count {
+            1 if self.has_friction => Ok(()),
+            count => Err(ContactSetError::SpringBack { count }),
+        }
+    }
+
     /// Fails where a normal cannot be tilted: each contact must touch a face of B.
     pub fn check_tilt(&self) -> Result<(), ContactSetError> {
         for (contact, pair) in self.as_slice().iter().enumerate() {

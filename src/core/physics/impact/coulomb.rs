@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! P = (1 + e) P_I + κ D,   P_I = −u/(n·W n) n,   P_II = −W⁻¹ v,   D = P_II − P_I
+//! κ = 1 + e_t                           sticking
 //! κ = μ (1 + e) |P_I| / (|T| − μ n·D)   sliding, with T = D − (n·D) n
 //! ```
 
@@ -37,7 +38,7 @@ pub(crate) struct Coulomb {
 
 /// The case that determines `κ`.
 enum Slide {
-    /// `κ = 1`.
+    /// `κ = 1 + e_t`.
     Sticks,
     /// `κ` is limited by the friction cone: direction of `T`, and `|T| − μ n·D`.
     Slides(Vector3<f64>, f64),
@@ -125,10 +126,12 @@ impl Coulomb {
         let tangential = to_stick - normal * pressed;
         let size = tangential.norm();
         let rebound = (1.0 + law.restitution) * plastic;
+        let whole = 1.0 + law.tangential_restitution;
+        let sticks = || whole * size <= law.friction * (rebound + whole * pressed);
         let (share, slide) = if !(plastic > 0.0) {
             (0.0, Slide::Free)
-        } else if law.friction > 0.0 && size <= law.friction * (rebound + pressed) {
-            (1.0, Slide::Sticks)
+        } else if law.friction > 0.0 && sticks() {
+            (whole, Slide::Sticks)
         } else if size > 0.0 {
             let margin = size - law.friction * pressed;
             let share = law.friction * rebound / margin;
@@ -214,6 +217,14 @@ impl Coulomb {
             Slide::Sticks | Slide::Free => 0.0,
         };
         self.normal * self.plastic + self.to_stick * share
+    }
+
+    /// Derivative of the impulse by the tangential restitution.
+    pub(crate) fn by_tangential_restitution(&self) -> Vector3<f64> {
+        match self.slide {
+            Slide::Sticks => self.to_stick,
+            Slide::Slides(..) | Slide::Free => Vector3::zeros(),
+        }
     }
 
     /// Derivative of the impulse by the coefficient of friction.

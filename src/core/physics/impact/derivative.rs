@@ -28,6 +28,8 @@ pub struct ImpactDerivative {
     pub after_by_restitution: [SVector<f64, 6>; 2],
     /// Velocities after by the coefficient of friction.
     pub after_by_friction: [SVector<f64, 6>; 2],
+    /// Velocities after by the tangential restitution.
+    pub after_by_tangential_restitution: [SVector<f64, 6>; 2],
     /// Velocities after by the two tilts; zero where
     /// [`ContactSet::check_tilt`](super::ContactSet::check_tilt) refuses them.
     pub after_by_tilt: [SMatrix<f64, 6, 2>; 2],
@@ -43,6 +45,7 @@ impl ImpactDerivative {
             after: [[SMatrix::zeros(); 2]; 2],
             after_by_restitution: [SVector::zeros(); 2],
             after_by_friction: [SVector::zeros(); 2],
+            after_by_tangential_restitution: [SVector::zeros(); 2],
             after_by_tilt: [SMatrix::zeros(); 2],
         }
     }
@@ -91,6 +94,7 @@ impl ImpactSolution<'_> {
         if let Some(landing) = self.landing() {
             derivative.after_by_restitution[0] = landing.by_restitution();
             derivative.after_by_friction[0] = landing.by_friction();
+            derivative.after_by_tangential_restitution[0].fill(0.0);
             let by_tilt = self.states().next().and_then(|first| first.normal_by_tilt);
             if let Some(by_tilt) = by_tilt {
                 derivative.after_by_tilt[0] =
@@ -104,6 +108,7 @@ impl ImpactSolution<'_> {
         for body in 0..self.rows.bodies {
             derivative.after_by_restitution[body] = by_law[body].column(0).into();
             derivative.after_by_friction[body] = by_law[body].column(1).into();
+            derivative.after_by_tangential_restitution[body] = by_law[body].column(2).into();
         }
         self.after_by_tilt(derivative);
         Ok(())

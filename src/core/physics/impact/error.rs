@@ -21,6 +21,14 @@ pub enum ContactSetError {
         /// How many contacts.
         count: usize,
     },
+    /// Tangential restitution where nothing sticks by itself.
+    #[error(
+        "tangential restitution is for one contact with friction, not for {count} without friction or at once: leave it out"
+    )]
+    SpringBack {
+        /// How many contacts.
+        count: usize,
+    },
     /// A tilted normal where B's feature is no face and has no normal of its own.
     #[error(
         "the normal of contact {contact} cannot be tilted: what it touches is a {kind}, only a face has a normal of its own"

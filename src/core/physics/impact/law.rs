@@ -12,23 +12,26 @@ pub(super) const MOST_CONTACTS: usize = 3;
 ///
 /// At one contact: the algebraic law of Chatterjee and Ruina ("A new algebraic rigid-body
 /// collision law based on impulse space considerations", Journal of Applied Mechanics 65, 1998)
-/// without tangential restitution. With the contact points' relative velocity `v`, the normal
+/// with its tangential restitution `e_t` where it would stick. With the contact points' relative velocity `v`, the normal
 /// `n`, `u = n·v` and Delassus' operator `W` (relative velocity per impulse), the impulse on A is
 ///
 /// ```text
 /// P = (1 + e) P_I + κ (P_II − P_I),   P_I = −u/(n·W n) n,   P_II = −W⁻¹ v
 /// ```
 ///
-/// with `κ = 1` where that lies in the friction cone `|P − (n·P) n| ≤ μ n·P` (the contact
-/// sticks), else the `κ` in `[0, 1)` that puts it on the cone (it slides). For approaching
-/// contacts, `0 ≤ e ≤ 1` and `μ ≥ 0`, the following holds:
+/// with `κ = 1 + e_t` where that lies in the friction cone `|P − (n·P) n| ≤ μ n·P` (the contact
+/// sticks), else the `κ` in `[0, 1 + e_t)` that puts it on the cone (it slides). For approaching
+/// contacts, `0 ≤ e ≤ 1`, `0 ≤ e_t ≤ 1` and `μ ≥ 0`, the following holds:
 ///
 /// - Newton's rule `u⁺ = −e u` exactly, with or without friction, since `n·W (P_II − P_I) = 0`;
-/// - the energy lost is `½(1 − e²) P_I·W P_I + ½κ(2 − κ) D·W D ≥ 0` with `D = P_II − P_I`;
+/// - the energy lost is `½(1 − e²) P_I·W P_I + ½κ(2 − κ) D·W D ≥ 0` with `D = P_II − P_I`, whatever the
+///   bodies, for `P_I·W D = 0` and `κ ≤ 2`; at `e = e_t = 1` nothing is lost where it sticks;
 /// - the impulse is in the cone and pushes; `μ = 0` is the frictionless bounce;
-/// - a contact that sticks has the relative velocity `v⁺ = e W P_I` afterwards: zero at `e = 0`,
-///   and along the normal only where `W n` is (a ball, a body that lands above its centre of mass);
-///   elsewhere the rebound has a tangential part;
+/// - a contact that sticks has the relative velocity `v⁺ = e W P_I + e_t W D` afterwards, of `v = −W P_I − W D`
+///   before, where `W D` is along the surface. Of a ball, whose `W n` is along the normal, that is `−e_t` times
+///   the tangential velocity before (Garwin, "Kinematics of an ultraelastic rough ball", American Journal of
+///   Physics 37, 1969; Cross, "Grip-slip behavior of a bouncing ball", American Journal of Physics 70, 2002), and at
+///   `e_t = 0` none; elsewhere the rebound has a tangential part of its own;
 /// - velocities are continuous where sticking changes to sliding.
 ///
 /// With `e > 1`, of a bumper, all of it holds but that energy is lost: the impact gains up to
@@ -43,6 +46,8 @@ pub struct Law {
     pub restitution: f64,
     /// Coefficient of friction `μ`, zero or more.
     pub friction: f64,
+    /// Tangential restitution `e_t`, from 0 to 1; zero without friction and at several contacts.
+    pub tangential_restitution: f64,
     /// Tilt `t` of the normal that the impact sees: `n' = R_B·Exp(t0 a0 + t1 a1)·n_B`, with
     /// [`Contact::tilt_axes`](crate::physics::contact::Contact::tilt_axes). Gap and approach speed keep
     /// the face's own normal.
@@ -55,6 +60,7 @@ impl Law {
         Self {
             restitution,
             friction: 0.0,
+            tangential_restitution: 0.0,
             tilt_rad: [0.0; 2],
         }
     }

@@ -164,6 +164,7 @@ impl<'a> PointOnPlane<'a> {
         let velocity_change = |impulse: f64| stacked(&(pushed * impulse), &(turned * impulse));
         derivative.after_by_restitution[0] = velocity_change(-speed / inertia);
         derivative.after_by_friction[0].fill(0.0);
+        derivative.after_by_tangential_restitution[0].fill(0.0);
         for (tilt, normal_change) in by_tilt.iter().enumerate() {
             let arm_change =
                 point.cross(&state.orientation.inverse_transform_vector(normal_change));

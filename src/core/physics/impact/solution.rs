@@ -243,14 +243,16 @@ impl<'a> ImpactSolution<'a> {
         }
     }
 
-    /// Derivatives of the impulses by restitution and friction.
-    pub(super) fn impulses_by_law(&self) -> Change<2> {
+    /// Derivatives of the impulses by restitution, friction and tangential restitution.
+    pub(super) fn impulses_by_law(&self) -> Change<3> {
         match &self.solved {
-            SolvedContact::Coulomb(law) => {
-                Change::from_columns(&[law.by_restitution(), law.by_friction()])
-            }
+            SolvedContact::Coulomb(law) => Change::from_columns(&[
+                law.by_restitution(),
+                law.by_friction(),
+                law.by_tangential_restitution(),
+            ]),
             SolvedContact::Newton(law) => {
-                Change::from_columns(&[law.by_restitution(), Vector3::zeros()])
+                Change::from_columns(&[law.by_restitution(), Vector3::zeros(), Vector3::zeros()])
             }
             SolvedContact::Landing(_) => Change::zeros(),
         }

@@ -12,6 +12,7 @@ mod derivatives;
 mod held;
 mod knocks;
 mod model;
+mod spring_back;
 
 /// Number of random draws after which a suitable case must have occurred.
 pub(super) const DRAWS: usize = 10_000;
@@ -143,6 +144,7 @@ impl Case {
             let law = Law {
                 restitution: draw.between(0.0, 1.0),
                 friction: draw.between(0.0, 1.2),
+                tangential_restitution: 0.0,
                 tilt_rad: [0.0; 2],
             };
             // Near a degenerate pose everything is steep.
@@ -558,6 +560,7 @@ fn friction_of_a_flat_landing_is_that_of_many_small_impulses() {
         let law = Law {
             restitution: draw.between(0.0, 1.0),
             friction: draw.between(0.0, 1.2),
+            tangential_restitution: 0.0,
             tilt_rad: [0.0; 2],
         };
         let a = (body, state);
@@ -614,6 +617,7 @@ fn a_flat_landing_is_pressed_where_friction_shifts_it() {
     let law = Law {
         restitution: 0.0,
         friction: 0.4,
+        tangential_restitution: 0.0,
         tilt_rad: [0.0; 2],
     };
     let impact = contacts.impact(&side(&(body, state)), None, &law);

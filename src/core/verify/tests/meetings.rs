@@ -115,6 +115,7 @@ fn two_bodies_meet_with_and_without_friction_and_tilt() {
         let law = Law {
             restitution: 0.5,
             friction,
+            tangential_restitution: 0.0,
             tilt_rad,
         };
         let motion = about(&scene, &law, cube_over_board());

@@ -21,7 +21,7 @@ fn values(impact: &Impact) -> Vec<f64> {
     values
 }
 
-/// The same rows of the derivative: two states, restitution, friction, two tilts.
+/// The same rows of the derivative: two states, restitution, friction, two tilts, tangential restitution.
 fn expected(derivative: &ImpactDerivative, row: usize, column: usize) -> f64 {
     let by_state = column < 24;
     let (body, of_state) = (column / 12, column % 12);
@@ -35,6 +35,7 @@ fn expected(derivative: &ImpactDerivative, row: usize, column: usize) -> f64 {
                 0..24 => derivative.after[i][body][(row, of_state)],
                 24 => derivative.after_by_restitution[i][row],
                 25 => derivative.after_by_friction[i][row],
+                28 => derivative.after_by_tangential_restitution[i][row],
                 _ => derivative.after_by_tilt[i][(row, column - 26)],
             }
         }
@@ -53,6 +54,9 @@ fn check(contacts: &ContactSet, movers: &[Mover], law: &Law, name: &str) -> bool
         if contacts.has_friction() {
             law.friction += d[25];
         }
+        if contacts.check_spring_back().is_ok() {
+            law.tangential_restitution += d[28];
+        }
         if contacts.check_tilt().is_ok() {
             law.tilt_rad[0] += d[26];
             law.tilt_rad[1] += d[27];
@@ -61,7 +65,7 @@ fn check(contacts: &ContactSet, movers: &[Mover], law: &Law, name: &str) -> bool
             .impact(&side(&movers[0]), movers.get(1).map(side).as_ref(), &law)
             .expect("regular")
     };
-    let base = at(&[0.0; 28]);
+    let base = at(&[0.0; 29]);
     let mut derivative = ImpactDerivative::zeros();
     // What was there before must not show through.
     for body in 0..movers.len() {
@@ -74,6 +78,7 @@ fn check(contacts: &ContactSet, movers: &[Mover], law: &Law, name: &str) -> bool
         }
         derivative.after_by_restitution[body].fill(7.0);
         derivative.after_by_friction[body].fill(7.0);
+        derivative.after_by_tangential_restitution[body].fill(7.0);
         derivative.after_by_tilt[body].fill(7.0);
     }
     let b = movers.get(1).map(side);
@@ -84,19 +89,19 @@ fn check(contacts: &ContactSet, movers: &[Mover], law: &Law, name: &str) -> bool
         assert!((here - there).abs() < 1e-12, "{name}");
     }
     assert_eq!((impact.sticks, impact.pulls()), (base.sticks, base.pulls()));
-    let branches_differ = (0..56).any(|probe| {
-        let mut d = [0.0; 28];
+    let branches_differ = (0..58).any(|probe| {
+        let mut d = [0.0; 29];
         d[probe / 2] = if probe % 2 == 0 { 0.02 } else { -0.02 };
         at(&d).sticks != base.sticks
     });
     if branches_differ {
         return false;
     }
-    let numeric = differentiate::jacobian(18, 28, |d| {
+    let numeric = differentiate::jacobian(18, 29, |d| {
         values(&at(d)).iter().map(|x| x / STEP).collect()
     });
     for row in 0..18 {
-        for column in 0..28 {
+        for column in 0..29 {
             let (found, known) = (numeric[row][column], expected(&derivative, row, column));
             assert!(
                 (found - known).abs() < 2e-8 * (1.0 + known.abs()),
@@ -115,6 +120,7 @@ fn movers(case: &Case) -> Vec<Mover> {
 fn sticking_and_sliding() {
     let mut draw = Draw::new(21);
     let (mut stuck, mut slid) = ([0; KINDS], [0; KINDS]);
+    let mut sprung = 0;
     for index in 0..30 * KINDS {
         let kind = index % KINDS;
         let mut case = Case::draw(&mut draw, kind, (index / KINDS).is_multiple_of(2));
@@ -131,7 +137,12 @@ fn sticking_and_sliding() {
             };
             count[kind] += 1;
         }
+        case.law.tangential_restitution = 0.6;
+        case.law.friction += 2.0;
+        let is_told = check(&contacts, &movers(&case), &case.law, &name);
+        sprung += usize::from(is_told && case.impact().sticks);
     }
+    assert!(sprung > 100, "{sprung}");
     assert!(
         stuck.iter().chain(&slid).all(|count| *count >= 3),
         "{stuck:?} {slid:?}"
@@ -241,6 +252,7 @@ fn a_face_that_lands_flat_with_friction() {
         let law = Law {
             restitution: draw.between(0.0, 1.0),
             friction: draw.between(0.05, 1.5),
+            tangential_restitution: 0.0,
             tilt_rad: match index % 3 {
                 0 => [draw.between(-0.1, 0.1), draw.between(-0.1, 0.1)],
                 _ => [0.0; 2],

@@ -277,6 +277,7 @@ fn a_face_that_lands_flat_with_friction() {
         let law = Law {
             restitution: draw.between(0.0, 1.0),
             friction: draw.between(0.05, 1.5),
+            tangential_restitution: 0.0,
             tilt_rad: [0.0; 2],
         };
         let at = |d: &[f64]| {

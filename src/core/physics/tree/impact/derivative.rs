@@ -31,6 +31,8 @@ pub struct TreeImpactDerivative {
     pub by_restitution: DVector<f64>,
     /// Of the rates after by the coefficient of friction.
     pub by_friction: DVector<f64>,
+    /// Of the rates after by the tangential restitution.
+    pub by_tangential_restitution: DVector<f64>,
     /// Of the rates after by the two tilts; `None` where one contact has no face.
     pub by_tilt: Option<DMatrix<f64>>,
     /// Of all by time, the state before held; `None` where no tree hangs from a hand.
@@ -176,6 +178,8 @@ impl ForestSnapshot<'_> {
             rates: after,
             by_restitution: &solved.response * solved.rule.by_restitution(met),
             by_friction: &solved.response * solved.rule.by_friction(met),
+            by_tangential_restitution: &solved.response
+                * solved.rule.by_tangential_restitution(met),
             by_tilt: solved.by_tilt(tried.len()),
             carried: None,
         })

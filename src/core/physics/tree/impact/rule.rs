@@ -135,6 +135,13 @@ impl Rule {
         }
     }
 
+    pub(super) fn by_tangential_restitution(&self, met: &[Met]) -> DVector<f64> {
+        match self {
+            Self::Coulomb(of) => stacked([of.by_tangential_restitution()]),
+            Self::Newton(_) => DVector::zeros(3 * met.len()),
+        }
+    }
+
     pub(super) fn by_friction(&self, met: &[Met]) -> DVector<f64> {
         match self {
             Self::Coulomb(of) => stacked([of.by_friction()]),

@@ -133,10 +133,19 @@ fn after(state: &TreeState, impact: &TreeImpact) -> TreeState {
     }
 }
 
+/// The same where what sticks springs back.
+fn springing(law: Law, tangential_restitution: f64) -> Law {
+    Law {
+        tangential_restitution,
+        ..law
+    }
+}
+
 fn law(restitution: f64, friction: f64, tilt_rad: [f64; 2]) -> Law {
     Law {
         restitution,
         friction,
+        tangential_restitution: 0.0,
         tilt_rad,
     }
 }
@@ -144,8 +153,10 @@ fn law(restitution: f64, friction: f64, tilt_rad: [f64; 2]) -> Law {
 #[test]
 fn the_law_keeps_its_promises_for_trees() {
     let laws = [0.0, 0.4, 1.0].map(|e| [0.0, 0.1, 0.5, 3.0].map(|mu| law(e, mu, [0.0; 2])));
+    let back = [0.0, 1.0].map(|e| [0.5, 3.0].map(|mu| springing(law(e, mu, [0.0; 2]), 1.0)));
+    let laws = [laws.as_flattened(), back.as_flattened()].concat();
     let (mut stuck, mut slid, mut lossless) = (0, 0, 0);
-    each(laws.as_flattened(), |name, tree, state, contact, law| {
+    each(&laws, |name, tree, state, contact, law| {
         let hit = impact(tree, state, contact, law).unwrap();
         let later = after(state, &hit);
         let again = impact(tree, &later, contact, law).unwrap();
@@ -156,7 +167,8 @@ fn the_law_keeps_its_promises_for_trees() {
         let energies = [state, &later].map(|of| snapshot(tree, of).energy(0.0));
         let lost = energies[0] - energies[1];
         assert!(lost > -1e-11, "{name} {law:?}: {lost}");
-        if law.restitution == 1.0 && law.friction == 0.0 {
+        let is_elastic = law.tangential_restitution == 1.0 && hit.sticks;
+        if law.restitution == 1.0 && (law.friction == 0.0 || is_elastic) {
             assert!(lost.abs() < 1e-11, "{name}: {lost}");
             lossless += 1;
         }
@@ -190,6 +202,8 @@ fn derivatives_of_an_impact_are_those_of_differences() {
         law(0.3, 0.15, [0.0; 2]),
         law(0.3, 50.0, [0.0; 2]),
         law(0.5, 0.2, [0.07, -0.04]),
+        springing(law(0.3, 50.0, [0.05, 0.02]), 0.4),
+        springing(law(0.3, 0.15, [0.0; 2]), 0.4),
     ];
     let mut sticking = [0; 2];
     each(&laws, |name, tree, state, contact, law| {
@@ -203,9 +217,10 @@ fn derivatives_of_an_impact_are_those_of_differences() {
             numbers(&there).iter().map(|x| x / 0.03).collect()
         });
         assert!(worst < 1e-7, "{name} {contact:?} {law:?}: {worst:e}");
-        let mut by_law = DMatrix::zeros(freedoms, 4);
+        let mut by_law = DMatrix::zeros(freedoms, 5);
         by_law.set_column(0, &given.by_restitution);
         by_law.set_column(1, &given.by_friction);
+        by_law.set_column(4, &given.by_tangential_restitution);
         if let Some(by_tilt) = &given.by_tilt {
             by_law.columns_mut(2, 2).copy_from(by_tilt);
         }
@@ -213,6 +228,10 @@ fn derivatives_of_an_impact_are_those_of_differences() {
         if law.friction == 0.0 {
             // Less friction than none is none.
             by_law.column_mut(1).fill(0.0);
+        }
+        let springs_back = law.friction > 0.0 && contact.check_spring_back().is_ok();
+        if !springs_back {
+            by_law.column_mut(4).fill(0.0);
         }
         by_law.column_mut(1).scale_mut(0.1);
         let worst = off(&by_law, |delta| {
@@ -224,6 +243,9 @@ fn derivatives_of_an_impact_are_those_of_differences() {
             if can_tilt {
                 law.tilt_rad[0] += delta[2];
                 law.tilt_rad[1] += delta[3];
+            }
+            if springs_back {
+                law.tangential_restitution += delta[4];
             }
             impact(tree, state, contact, &law).unwrap().rates
         });

@@ -90,6 +90,7 @@ fn law(restitution: f64, friction: f64, tilt_rad: [f64; 2]) -> Law {
     Law {
         restitution,
         friction,
+        tangential_restitution: 0.0,
         tilt_rad,
     }
 }
@@ -124,6 +125,7 @@ pub(super) fn suits(contacts: &ContactSet, law: &Law) -> bool {
     let is_tilted = law.tilt_rad != [0.0; 2];
     (!is_tilted || contacts.check_tilt().is_ok())
         && (law.friction == 0.0 || contacts.has_friction())
+        && (law.tangential_restitution == 0.0 || contacts.check_spring_back().is_ok())
 }
 
 /// Gaps and speeds of all contacts, and rates after.

@@ -306,6 +306,7 @@ impl Setting {
         let law = Law {
             restitution,
             friction,
+            tangential_restitution: 0.0,
             tilt_rad: [0.0; 2],
         };
         let side = Side {
