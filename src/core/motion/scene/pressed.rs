@@ -71,7 +71,7 @@ impl Scene {
         let law = self.law_estimated(estimate, event.event)?;
         let states = collision
             .links()
-            .map(|link| self.touching(estimate, event, link));
+            .map(|link| estimate.arriving(self, link, event.time_s));
         let states: Vec<State> = states.collect::<Option<_>>()?;
         let sides = collision.links().zip(&states).map(|(link, state)| Side {
             body: &self.links[link].body,

@@ -85,6 +85,7 @@ fn a_face_is_told_by_its_corners_without_friction_and_as_a_whole_with_it() {
         let restitution = draw.between(0.0, 1.0);
         for (contacts, friction) in [(&smooth, 0.0), (&rough, draw.between(0.0, 1.2))] {
             let law = Law {
+                tangential_restitution: 0.0,
                 restitution,
                 friction,
                 tilt_rad: [0.0; 2],
