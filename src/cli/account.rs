@@ -10,7 +10,7 @@ use checks::checks;
 use tables::{events, held, parameters, segments};
 
 use super::output::push_line;
-use crate::report::{RecordingReport, SuspectLine, fit_words, plain};
+use crate::report::{RecordingReport, SuspectLine, fit_words, hint, plain};
 
 /// A whole that is as long as this and so many times as long as the solve is told apart \[s\], in parts of this share.
 const LONG_S: f64 = 0.1;
@@ -58,6 +58,9 @@ pub(super) fn account(report: &RecordingReport, style: Style) -> String {
             "suspect"
         };
         line(suspect_words(what, suspect, "would explain"));
+    }
+    if let Some(hint) = hint(&estimate.seen_phases) {
+        line(format!("hint: {hint}"));
     }
     if let Some(note) = &estimate.fit_note {
         line(format!("note: {note}"));

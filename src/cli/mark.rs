@@ -40,6 +40,42 @@ pub(super) fn run(arguments: MarkArguments) -> anyhow::Result<Exit> {
     })
 }
 
+/// What is seen besides flights, and the text that says it.
+fn besides_flights(marked: &Marked) -> String {
+    let mut text = String::new();
+    let rows: Vec<Vec<String>> = marked
+        .phases
+        .iter()
+        .map(|of| {
+            let said = match (&of.phase, &of.reason) {
+                (Some(phase), _) if of.is_said => format!("the scene says so: {phase}"),
+                (Some(phase), _) => phase.clone(),
+                (None, Some(reason)) => format!("no scene says so: {reason}"),
+                (None, None) => "-".into(),
+            };
+            vec![of.seen.body.clone(), of.seen.text.clone(), said]
+        })
+        .collect();
+    if !rows.is_empty() {
+        text.push('\n');
+        text += &table("  ", &["body", "seen besides flights", "phase"], &rows);
+    }
+    if let Some(toml) = &marked.toml {
+        text += "\n  for the scene, with these marks:\n\n";
+        let marks = marked.phase_marks.iter();
+        let rows: Vec<Vec<String>> = marks
+            .map(|mark| {
+                let event = mark.event.clone().unwrap_or_default();
+                vec![event, format!("{:.3} s", mark.time_s)]
+            })
+            .collect();
+        text += &table("  ", &["event", "time"], &rows);
+        text.push('\n');
+        text += toml;
+    }
+    text
+}
+
 fn text(marked: &Marked) -> String {
     let mut text = String::new();
     output::push_line(&mut text, format!("{}: {}", marked.recording, marked.scene));
@@ -68,6 +104,7 @@ fn text(marked: &Marked) -> String {
         text.push('\n');
         text += &marks(&marked.marks);
     }
+    text += &besides_flights(marked);
     if let Some(output) = &marked.output {
         output::push_line(&mut text, format!("  written   {output}"));
     }

@@ -21,6 +21,7 @@ mod perform;
 mod preview;
 mod rest;
 mod search;
+mod seen;
 mod sound;
 mod spread;
 mod stages;
@@ -36,6 +37,7 @@ use self::perform::{Performed, Prepared};
 pub use self::preview::{Preview, Previewed};
 use self::rest::Sought;
 pub use self::search::SearchWork;
+pub use self::seen::SeenTake;
 use self::stages::doubts;
 use crate::estimate::{LastState, Solved};
 use crate::motion::{
@@ -165,8 +167,8 @@ impl Pipeline {
     }
 
     /// Proposes marks for the take, in order of time and without use of its own marks: for every
-    /// collision of the scene, or `count` on each track, and its start and end, at the first and the
-    /// last sample or where a whole toss flies. Fails where there are too few samples or no clear proposals.
+    /// collision of the scene, or `count` on each track, its start and end, at the first and the
+    /// last sample or where a whole toss flies, and where its phases are seen to begin and end. Fails where there are too few samples or no clear proposals.
     pub fn propose(&self, count: Option<usize>) -> Result<Vec<MarkProposal>, PipelineError> {
         let marks = count.map_or(self.marks(), |count| {
             count + self.scene.events.len().max(1) - 1
@@ -203,6 +205,7 @@ impl Pipeline {
                 score: None,
             }));
         }
+        self.at_phases(scene, &mut marks);
         marks.sort_by_key(|mark| mark.stamp);
         Ok(marks)
     }
@@ -227,6 +230,7 @@ impl Pipeline {
                 outcome.diagnoses.extend(sought.offered);
             }
         }
+        outcome.seen = self.unsaid(&outcome);
         observer.phase(Phase::Done);
         Ok(outcome)
     }

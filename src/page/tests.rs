@@ -23,6 +23,7 @@ fn motion() -> (Scene, WrittenMotion) {
         verification: None,
         settled: None,
         diagnoses: &[],
+        seen: &[],
         freed: &[],
         rest: None,
     };

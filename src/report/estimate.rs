@@ -18,6 +18,7 @@ use super::reason::{TerminationLine, reason_text};
 use super::reported::Reported;
 use super::rest::RestLine;
 use super::samples::{CounterLine, Ordered, SampleLine, SettledLine};
+use super::seen::SeenPhaseLine;
 use super::suspects::{SuspectLine, suspect_lines};
 use crate::motion::{Estimate, Fits, Sketch, Verdict};
 
@@ -53,6 +54,9 @@ pub struct EstimateReport {
     pub doubts: Vec<DoubtLine>,
     /// Likely mistakes in what is said of the performance, that which explains most first.
     pub diagnoses: Vec<DiagnosisLine>,
+    /// What is seen besides flights and not said by the scene, where something speaks against the motion.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub seen_phases: Vec<SeenPhaseLine>,
     /// Sum of squared weighted residuals, priors included.
     #[serde(default = "unknown")]
     pub objective: f64,
@@ -117,6 +121,11 @@ impl EstimateReport {
                 .diagnoses
                 .iter()
                 .map(|diagnosis| DiagnosisLine::new(scene, diagnosis))
+                .collect(),
+            seen_phases: of
+                .seen
+                .iter()
+                .map(|seen| SeenPhaseLine::new(scene, seen, of.sketch.origin))
                 .collect(),
             objective: estimate.objective,
             gravity_m_s2: estimate.gravity_m_s2.into(),

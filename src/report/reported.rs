@@ -1,7 +1,8 @@
 //! What a report is about.
 
 use crate::motion::{
-    Diagnosis, Estimate, Rest, SampleCounts, Scene, Settled, Sketch, Suspect, Verification,
+    Diagnosis, Estimate, Rest, SampleCounts, Scene, SeenPhase, Settled, Sketch, Suspect,
+    Verification,
 };
 
 /// What a report is about.
@@ -23,6 +24,8 @@ pub struct Reported<'a> {
     pub settled: Option<&'a Settled>,
     /// Likely mistakes in what is said of the performance.
     pub diagnoses: &'a [Diagnosis],
+    /// What is seen besides flights and not said by the scene.
+    pub seen: &'a [SeenPhase],
     /// What was set free because it explains a misfit, in order.
     pub freed: &'a [Suspect],
     /// How it rests, if the scene asks that.

@@ -21,6 +21,7 @@ fn the_reports_of_a_file_and_of_a_recording_say_the_same_of_the_estimate() {
         verification: None,
         settled: None,
         diagnoses: &[],
+        seen: &[],
         freed: &[],
         rest: None,
     };

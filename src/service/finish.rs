@@ -230,6 +230,7 @@ pub(super) fn reported(outcome: &Outcome) -> Reported<'_> {
         verification: outcome.verification.as_ref(),
         settled: outcome.settled.as_ref(),
         diagnoses: &outcome.diagnoses,
+        seen: &outcome.seen,
         freed: &outcome.freed,
         rest: outcome.rest.as_ref(),
     }

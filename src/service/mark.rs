@@ -1,6 +1,8 @@
 //! The marks of a recording: listed, proposed from its streams, changed.
 
+mod draft;
 mod edit;
+mod phases;
 
 use std::iter;
 use std::path::PathBuf;
@@ -11,6 +13,8 @@ use serde::Serialize;
 pub use self::edit::MarkEdits;
 use self::edit::{Edited, edited, present};
 pub(super) use self::edit::{check_event, stamp_of};
+pub use self::phases::ProposedPhase;
+use self::phases::{PhaseProposals, phases};
 use super::deadline::Deadline;
 use super::finish::{Opened, lost, opened, warnings, with_recording};
 use super::guard::Inputs;
@@ -18,7 +22,7 @@ use super::inspect::{MarkLine, mark_line};
 use super::working::Working;
 use crate::ingest::Take;
 use crate::motion::{Mark, Stamp, TakeEvent};
-use crate::pipeline::MarkProposal;
+use crate::pipeline::{MarkProposal, Pipeline};
 use crate::write::write_marks;
 
 /// The input of [`mark`].
@@ -47,6 +51,14 @@ pub struct Marked {
     pub scene: String,
     /// Proposed marks in order of time.
     pub proposals: Vec<ProposalLine>,
+    /// What the streams show besides flights, body by body in order of time.
+    pub phases: Vec<ProposedPhase>,
+    /// Marks of the events at which what the scene does not say yet begins and ends, in order of time.
+    pub phase_marks: Vec<MarkLine>,
+    /// Text for the scene that says it.
+    pub toml: Option<String>,
+    /// The scene with that.
+    pub scene_toml: Option<String>,
     /// The marks, as they are with what was changed, in order of time; proposals do not depend on them.
     pub marks: Vec<MarkLine>,
     /// Parts of the recording that could not be read.
@@ -106,11 +118,12 @@ fn marked(job: &MarkJob, opened: Opened) -> anyhow::Result<Marked> {
         take.report.log_offset_ns.unwrap_or(0),
     )
     .with_context(|| path.clone())?;
-    let proposals = if job.is_proposing {
-        proposed(job, &opened, &take, &path)?
-    } else {
-        Vec::new()
-    };
+    let (mut proposals, mut seen) = (Vec::new(), PhaseProposals::default());
+    if job.is_proposing {
+        let pipeline = opened.scene.pipeline(take.events.clone());
+        proposals = proposed(job, &pipeline, &path)?;
+        seen = besides_flights(&opened, &pipeline, &proposals, &path)?;
+    }
     if let Some(output) = &job.output {
         write(job, output, &opened, &take, &edited, &proposals)?;
     }
@@ -136,10 +149,25 @@ fn marked(job: &MarkJob, opened: Opened) -> anyhow::Result<Marked> {
             "{outside} of the marks are before the first pose or after the last"
         ));
     }
+    if job.output.is_some() && !seen.phase_marks.is_empty() {
+        notes.push(
+            "no marks of phases that the scene does not have are written: propose again with them in it, \
+             by --scene"
+                .to_owned(),
+        );
+    }
     Ok(Marked {
         recording: path,
         scene: scene.name.clone(),
         proposals: lines.collect(),
+        phases: seen.phases,
+        phase_marks: seen
+            .phase_marks
+            .iter()
+            .map(|mark| mark_line(mark, first))
+            .collect(),
+        toml: seen.toml,
+        scene_toml: seen.scene_toml,
         marks: edited
             .marks
             .iter()
@@ -166,17 +194,28 @@ fn first_stamp(take: &Take) -> Option<Stamp> {
     stamps(take).min()
 }
 
-fn proposed(
-    job: &MarkJob,
+/// What the streams show besides flights, with what would say it.
+fn besides_flights(
     opened: &Opened,
-    take: &Take,
+    pipeline: &Pipeline,
+    proposals: &[MarkProposal],
     path: &str,
-) -> anyhow::Result<Vec<MarkProposal>> {
-    let pipeline = opened.scene.pipeline(take.events.clone());
+) -> anyhow::Result<PhaseProposals> {
+    let seen = pipeline.seen().with_context(|| path.to_owned())?;
+    let text = std::str::from_utf8(&opened.scene_toml).unwrap_or_default();
+    let marks = proposals.iter().map(|of| Mark {
+        stamp: of.stamp,
+        event: of.event.clone(),
+    });
+    let marks: Vec<Mark> = marks.collect();
+    Ok(phases(opened.scene.for_reading(), text, &seen, &marks))
+}
+
+fn proposed(job: &MarkJob, pipeline: &Pipeline, path: &str) -> anyhow::Result<Vec<MarkProposal>> {
     let proposals = pipeline
         .propose(job.count)
         .with_context(|| path.to_owned())?;
-    let found = proposals.iter().filter(|p| p.track.is_some()).count();
+    let found = proposals.iter().filter(|p| p.score.is_some()).count();
     // A repeated collision is as many as are looked for.
     let scene = pipeline.scene().with_marks(pipeline.marks());
     let collisions = scene.events.iter();

@@ -206,6 +206,7 @@ mod tests {
             verification: None,
             settled: None,
             diagnoses: &[],
+            seen: &[],
             freed: &[],
             rest: None,
         })

@@ -12,7 +12,7 @@ use crate::phases::{GRAVITY_M_S2, STEP_S, Samples, assert_within, phase, replaye
 
 /// A box that flies, lands flat on the level table, slides and rests: flights in closed form, friction in small steps.
 /// `friction` at the landing and after it.
-fn thrown(
+pub(crate) fn thrown(
     friction: f64,
     velocity_m_s: Vector3<f64>,
     yaw_rad_s: f64,
@@ -69,11 +69,11 @@ fn thrown(
     }
 }
 
-struct Thrown {
+pub(crate) struct Thrown {
     /// Velocity and yaw before the landing, and which share of both friction leaves.
     arriving_m_s: Vector3<f64>,
     left: f64,
-    csv: String,
+    pub(crate) csv: String,
     landed_s: f64,
     still_s: f64,
     end_s: f64,

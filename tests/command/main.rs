@@ -13,6 +13,7 @@ mod phases;
 mod pivots;
 #[path = "../support/program.rs"]
 mod program;
+mod seen;
 mod shell;
 #[path = "../support/skip.rs"]
 mod skip;

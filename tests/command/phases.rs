@@ -52,20 +52,20 @@ impl Samples {
 
 /// What moves on a level table: a ball of that radius, or a box of that gyration radius about the normal \[m\].
 #[derive(Clone, Copy)]
-enum Moving {
+pub(crate) enum Moving {
     Ball(f64),
     Box(f64),
 }
 
 /// A motion on the table, its samples, and when slip and motion ended.
-struct Made {
-    csv: String,
-    no_slip_s: Option<f64>,
+pub(crate) struct Made {
+    pub(crate) csv: String,
+    pub(crate) no_slip_s: Option<f64>,
     still_s: Option<f64>,
 }
 
 /// Steps by forces at the lowest point. `bounces` keeps it in the air in place of the table.
-fn made(
+pub(crate) fn made(
     moving: Moving,
     [sliding, rolling]: [f64; 2],
     (velocity_m_s, spin_rad_s): (Vector3<f64>, Vector3<f64>),
@@ -183,8 +183,8 @@ pub(crate) fn assert_within(of: &Value, value: &str, sd: &str, truth: f64, most:
     );
 }
 
-const BALL: &str = "{ kind = \"sphere\", radius_mm = 30 }";
-const BOX: &str = "{ kind = \"cuboid\", size_mm = [120, 80, 40] }";
+pub(crate) const BALL: &str = "{ kind = \"sphere\", radius_mm = 30 }";
+pub(crate) const BOX: &str = "{ kind = \"cuboid\", size_mm = [120, 80, 40] }";
 
 #[test]
 fn a_ball_slides_then_rolls_and_both_frictions_are_told() {

@@ -240,6 +240,7 @@ fn written(folder: &TempDir, profile: &str, motion: &Motion) -> Said {
                 verification: None,
                 settled: outcome.settled.as_ref(),
                 diagnoses: &[],
+                seen: &[],
                 freed: &[],
                 rest: None,
             },

@@ -2,7 +2,7 @@
 //! performance as the estimator sees it ([`sketch`]), the result ([`estimate`]), how certain it is ([`certainty`]), the checks of it
 //! ([`verification`]), doubts about it ([`doubt`]), likely mistakes in what
 //! is said of it ([`diagnosis`]), its continuation ([`settled`]) and how it ends ([`rest`]), free flights in a path
-//! ([`mod@fall`]), and the observer of a run ([`observe`]).
+//! ([`mod@fall`]), what is seen besides flights ([`seen_phase`]), and the observer of a run ([`observe`]).
 
 mod borne;
 pub mod certainty;
@@ -28,6 +28,7 @@ pub mod reason;
 pub mod rest;
 pub mod sample_time;
 pub mod scene;
+pub mod seen_phase;
 pub mod settled;
 pub mod sketch;
 pub mod snap;
@@ -70,6 +71,7 @@ pub use scene::{
     Sees, SupportPhase, SupportedBy, Surface, Timing, Together, Touching, Track, TreeTouch, Untold,
     VelocityGaps, Weighing, Weights,
 };
+pub use seen_phase::{SeenMotion, SeenOnSurface, SeenPhase};
 pub use settled::{Settled, SettledLink};
 pub use sketch::{
     DropReason, Grip, MarkChanges, MarkTime, Sample, SampleCounts, Seen, Segment, Sketch,

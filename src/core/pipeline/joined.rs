@@ -55,6 +55,7 @@ pub(super) fn outcome(
         verification: tried.verification,
         settled: None,
         diagnoses: Vec::new(),
+        seen: Vec::new(),
         rest: None,
     }))
 }

@@ -9,7 +9,7 @@ use super::spread::spread;
 use crate::estimate::{Deviations, LastState};
 use crate::motion::{
     About, Diagnosis, Doubt, Estimate, Observer, Phase, Place, Rest, RestWork, SampleCounts, Scene,
-    Settled, Sketch, Suspect, Verdict, Verification,
+    SeenPhase, Settled, Sketch, Suspect, Verdict, Verification,
 };
 use crate::segment::SegmentError;
 use crate::settle::settle_until;
@@ -46,6 +46,8 @@ pub struct Outcome {
     /// Likely mistakes in what is said of the performance, where something speaks against the motion
     /// and a remedy explains it; that which explains most first.
     pub diagnoses: Vec<Diagnosis>,
+    /// What bodies are seen to do that do not fly, of which the scene has no phase, where something speaks against the motion.
+    pub seen: Vec<SeenPhase>,
     /// How it rests, if the scene has goals at rest and there is a continuation.
     pub rest: Option<Rest>,
 }
@@ -93,6 +95,7 @@ impl Outcome {
             verification: None,
             settled: None,
             diagnoses: Vec::new(),
+            seen: Vec::new(),
             rest: None,
         }
     }

@@ -54,7 +54,7 @@ pub fn clean(scene: &Scene, events: &[TakeEvent]) -> Result<(Sketch, SampleCount
         marks,
         extents,
         mut counts,
-    } = usable(scene, events)?;
+    } = usable(scene, events, false)?;
     let whole = union(&extents).expect("a scene has tracks");
     let mut stamps = match matched(scene, &marks, whole.first) {
         Err(error @ SegmentError::MarkCount { .. }) => {
@@ -128,7 +128,17 @@ pub fn unmarked(scene: &Scene, events: &[TakeEvent]) -> Result<Sketch, SegmentEr
         streams,
         mut counts,
         ..
-    } = usable(scene, events)?;
+    } = usable(scene, events, false)?;
+    Ok(sketch(scene, events, &streams, &[], &mut counts))
+}
+
+/// [`unmarked`], where everything may rest: poses that repeat count.
+pub fn standing(scene: &Scene, events: &[TakeEvent]) -> Result<Sketch, SegmentError> {
+    let Usable {
+        streams,
+        mut counts,
+        ..
+    } = usable(scene, events, true)?;
     Ok(sketch(scene, events, &streams, &[], &mut counts))
 }
 
@@ -141,7 +151,11 @@ struct Usable {
     counts: SampleCounts,
 }
 
-fn usable(scene: &Scene, events: &[TakeEvent]) -> Result<Usable, SegmentError> {
+fn usable(
+    scene: &Scene,
+    events: &[TakeEvent],
+    all_may_stand: bool,
+) -> Result<Usable, SegmentError> {
     let mut counts = SampleCounts::default();
     let (streams, marks) = delivered(scene, events, &mut counts)?;
     let streams = streams.into_iter().map(|streams| streams.concat());
@@ -154,7 +168,7 @@ fn usable(scene: &Scene, events: &[TakeEvent]) -> Result<Usable, SegmentError> {
         // What is in a hand, or rests, may be seen where it was.
         let link = scene.tracks[track].link;
         let has_phase = scene.phases.iter().any(|phase| phase.link == link);
-        let may_stand = scene.sees_held(track) || has_phase;
+        let may_stand = all_may_stand || scene.sees_held(track) || has_phase;
         drop_unusable(stream, &scene.tracks[track], may_stand, &mut dropped);
         extents.push(extent.ok_or_else(|| no_samples_of(scene, track, 0, read, &dropped))?);
         merge(&mut counts, &dropped);

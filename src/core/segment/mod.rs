@@ -8,6 +8,7 @@
 //! in a whole toss (`toss`) where a flight ends.
 //! [`refine()`] moves each mark to the kink of the motion near it, [`relocate_marks()`] moves marks
 //! that are far from any kink, [`regrip()`] those at which a hand lets go of something, [`press()`] those of contacts that last, and [`cut()`] makes the segments.
+//! [`seen_phases()`] finds what is no flight.
 //! [`hold()`] smooths the streams of bodies in the hand, which have no flights.
 
 pub mod clean;
@@ -27,6 +28,7 @@ mod regrip;
 pub mod relocate;
 mod seen;
 pub mod smooth;
+mod stays;
 mod toss;
 mod units;
 
@@ -38,3 +40,4 @@ pub use propose::{Proposal, ends_of_motion_s, propose};
 pub use refine::{loosen, refine};
 pub use regrip::regrip;
 pub use relocate::relocate_marks;
+pub use stays::{said, seen_phases};

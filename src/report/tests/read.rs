@@ -20,6 +20,7 @@ fn message() -> EstimateMessage {
         verification: None,
         settled: None,
         diagnoses: &[],
+        seen: &[],
         freed: &[],
         rest: None,
     };

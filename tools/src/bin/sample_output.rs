@@ -64,6 +64,7 @@ fn main() -> Result<()> {
                 verification: outcome.verification.as_ref(),
                 settled: outcome.settled.as_ref(),
                 diagnoses: &outcome.diagnoses,
+                seen: &outcome.seen,
                 freed: &outcome.freed,
                 rest: outcome.rest.as_ref(),
             },

@@ -148,6 +148,7 @@ fn process(input: &Path, output: &Path) -> Result<u64> {
                 verification: None,
                 settled: None,
                 diagnoses: &[],
+                seen: &[],
                 freed: &[],
                 rest: None,
             },

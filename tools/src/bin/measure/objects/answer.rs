@@ -148,6 +148,7 @@ fn said(outcome: &Outcome) -> Vec<String> {
         verification: outcome.verification.as_ref(),
         settled: None,
         diagnoses: &outcome.diagnoses,
+        seen: &outcome.seen,
         freed: &outcome.freed,
         rest: None,
     });
