@@ -37,12 +37,12 @@ use self::perform::{Performed, Prepared};
 pub use self::preview::{Preview, Previewed};
 use self::rest::Sought;
 pub use self::search::SearchWork;
-pub use self::seen::SeenTake;
+pub use self::seen::{MarkProposal, SeenTake};
 use self::stages::doubts;
 use crate::estimate::{LastState, Solved};
 use crate::motion::{
-    Counted, Diagnosis, Doubt, End, EventKind, Fits, Mark, Observer, Phase, Scene, Stamp,
-    TakeEvent, TrackIndex, Verdict, WorkLimited,
+    Counted, Diagnosis, Doubt, End, EventKind, Fits, Mark, Observer, Phase, Scene, SeenPhase,
+    TakeEvent, Verdict, WorkLimited,
 };
 use crate::segment;
 use crate::verify::verify_until;
@@ -205,9 +205,23 @@ impl Pipeline {
                 score: None,
             }));
         }
-        self.at_phases(scene, &mut marks);
+        seen::at_phases(scene, &self.events, &mut marks);
         marks.sort_by_key(|mark| mark.stamp);
         Ok(marks)
+    }
+
+    /// What the streams show besides flights, between the marks of start and end where the take has them. Of edited stamps
+    /// nothing is told.
+    pub fn seen(&self) -> Result<SeenTake, PipelineError> {
+        seen::seen(&self.scene.with_marks(self.marks()), &self.events)
+    }
+
+    /// What the scene does not say of a motion against which something speaks.
+    fn unsaid(&self, outcome: &Outcome) -> Vec<SeenPhase> {
+        let seen = (!seen::is_clean(outcome))
+            .then(|| self.seen().ok())
+            .flatten();
+        seen.map_or_else(Vec::new, |seen| seen.unsaid().copied().collect())
     }
 
     /// The estimate from all events, checked, and continued until it rests if the scene
@@ -440,20 +454,4 @@ fn checked(
     if outcome.verification.is_none() {
         outcome.estimate.is_not_verified();
     }
-}
-
-/// A proposed mark.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MarkProposal {
-    /// The track whose motion has the kink (index into `Scene::tracks`); `None` for start and end.
-    pub track: Option<TrackIndex>,
-    /// Name of its event, if as many were searched for as the scene has: `bounce 2` of a collision `bounce` that
-    /// the scene repeats.
-    pub event: Option<String>,
-    /// Its time on the clock of the samples.
-    pub stamp: Stamp,
-    /// Its time [s since the first sample].
-    pub time_s: f64,
-    /// See [`segment::Proposal::score`]; `None` for start and end.
-    pub score: Option<f64>,
 }

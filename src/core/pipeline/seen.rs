@@ -1,7 +1,9 @@
 //! What the streams of a take show besides flights.
 
-use super::{MarkProposal, Outcome, Pipeline, PipelineError};
-use crate::motion::{EventKind, Fits, Mark, Scene, SeenPhase, Stamp, TakeEvent, Verdict};
+use super::outcome::{Outcome, PipelineError};
+use crate::motion::{
+    EventKind, Fits, Mark, Scene, SeenPhase, Stamp, TakeEvent, TrackIndex, Verdict,
+};
 use crate::segment;
 
 /// A flight may end so long before what follows it is seen \[ns\].
@@ -34,96 +36,103 @@ impl SeenTake {
     }
 }
 
-impl Pipeline {
-    /// What the streams show besides flights, between the marks of start and end where the take has them. Of edited stamps
-    /// nothing is told.
-    pub fn seen(&self) -> Result<SeenTake, PipelineError> {
-        let scene = &self.scene.with_marks(self.marks());
-        let sketch = segment::clean::standing(scene, &self.events)?;
-        let marks = marks_of(scene, &self.events);
-        let samples = sketch.tracks.iter().flat_map(|track| &track.samples);
-        let stamps = samples.map(|sample| sample.stamp);
-        let (first, last) = stamps.fold((Stamp(i64::MAX), Stamp(i64::MIN)), |(first, last), of| {
-            (first.min(of), last.max(of))
+/// What the streams of a scene as it is marked show besides flights.
+pub(super) fn seen(scene: &Scene, events: &[TakeEvent]) -> Result<SeenTake, PipelineError> {
+    let sketch = segment::clean::standing(scene, events)?;
+    let marks = marks_of(scene, events);
+    let samples = sketch.tracks.iter().flat_map(|track| &track.samples);
+    let stamps = samples.map(|sample| sample.stamp);
+    let (first, last) = stamps.fold((Stamp(i64::MAX), Stamp(i64::MIN)), |(first, last), of| {
+        (first.min(of), last.max(of))
+    });
+    let mark = |kind: EventKind| {
+        let event = scene.events.iter().position(|of| of.kind == kind)?;
+        marks[event]
+    };
+    let between = [
+        mark(EventKind::Start).unwrap_or(first),
+        mark(EventKind::End).unwrap_or(last),
+    ];
+    let phases = segment::seen_phases(scene, &sketch, between);
+    let said = segment::said(scene, &phases, &marks);
+    let named = marks
+        .iter()
+        .zip(&scene.events)
+        .filter_map(|(stamp, event)| {
+            Some(Mark {
+                stamp: (*stamp)?,
+                event: Some(event.name.clone()),
+            })
         });
-        let mark = |kind: EventKind| {
-            let event = scene.events.iter().position(|of| of.kind == kind)?;
-            marks[event]
-        };
-        let between = [
-            mark(EventKind::Start).unwrap_or(first),
-            mark(EventKind::End).unwrap_or(last),
-        ];
-        let phases = segment::seen_phases(scene, &sketch, between);
-        let said = segment::said(scene, &phases, &marks);
-        let named = marks
-            .iter()
-            .zip(&scene.events)
-            .filter_map(|(stamp, event)| {
-                Some(Mark {
-                    stamp: (*stamp)?,
-                    event: Some(event.name.clone()),
-                })
-            });
-        let marks = named.collect();
-        Ok(SeenTake {
-            first,
-            phases,
-            said,
-            marks,
-        })
-    }
+    let marks = named.collect();
+    Ok(SeenTake {
+        first,
+        phases,
+        said,
+        marks,
+    })
+}
 
-    /// What the scene does not say of a motion against which something speaks.
-    pub(super) fn unsaid(&self, outcome: &Outcome) -> Vec<SeenPhase> {
-        let estimate = &outcome.estimate;
-        let is_clean = estimate.verdict == Verdict::Physical
-            && estimate.fits() != Fits::No
-            && estimate.suspects.is_empty()
-            && estimate.doubts.is_empty();
-        if is_clean {
-            return Vec::new();
-        }
-        let seen = self.seen();
-        seen.map_or_else(|_| Vec::new(), |seen| seen.unsaid().copied().collect())
-    }
+/// Whether nothing speaks against a motion.
+pub(super) fn is_clean(outcome: &Outcome) -> bool {
+    let estimate = &outcome.estimate;
+    estimate.verdict == Verdict::Physical
+        && estimate.fits() != Fits::No
+        && estimate.suspects.is_empty()
+        && estimate.doubts.is_empty()
+}
 
-    /// Puts proposals at what is seen of the scene's phases: where each begins and ends.
-    pub(super) fn at_phases(&self, scene: &Scene, proposals: &mut Vec<MarkProposal>) {
-        if scene.phases.is_empty() {
-            return;
-        }
-        let unmarked = self.events.iter().filter(|of| of.mark().is_none());
-        let take = Self::of(scene.clone(), unmarked.cloned());
-        let Ok(seen) = take.seen() else {
-            return;
+/// Puts proposals at what is seen of the scene's phases: where each begins and ends.
+pub(super) fn at_phases(scene: &Scene, events: &[TakeEvent], proposals: &mut Vec<MarkProposal>) {
+    if scene.phases.is_empty() {
+        return;
+    }
+    let unmarked = events.iter().filter(|of| of.mark().is_none());
+    let unmarked: Vec<TakeEvent> = unmarked.cloned().collect();
+    let Ok(seen) = seen(scene, &unmarked) else {
+        return;
+    };
+    for (index, phase) in scene.phases.iter().enumerate() {
+        let Some(span) = seen.span(index) else {
+            continue;
         };
-        for (index, phase) in scene.phases.iter().enumerate() {
-            let Some(span) = seen.span(index) else {
-                continue;
-            };
-            for (event, stamp) in phase.events.into_iter().zip(span) {
-                let of = &scene.events[event];
-                let found = proposals
-                    .iter_mut()
-                    .find(|proposal| proposal.event.as_ref() == Some(&of.name));
-                let is_later = |than: Stamp| than.0 < stamp.0 && seen_there(&seen, than);
-                let time_s = stamp.seconds_since(seen.first);
-                match (found, &of.kind) {
-                    (Some(proposal), EventKind::Start) if proposal.stamp <= stamp => {}
-                    (Some(proposal), EventKind::End) if !is_later(proposal.stamp) => {}
-                    (Some(proposal), _) => (proposal.stamp, proposal.time_s) = (stamp, time_s),
-                    (None, _) => proposals.push(MarkProposal {
-                        track: scene.tracks_of(scene.mechanism_of(phase.link)).next(),
-                        event: Some(of.name.clone()),
-                        stamp,
-                        time_s,
-                        score: None,
-                    }),
-                }
+        for (event, stamp) in phase.events.into_iter().zip(span) {
+            let of = &scene.events[event];
+            let found = proposals
+                .iter_mut()
+                .find(|proposal| proposal.event.as_ref() == Some(&of.name));
+            let is_later = |than: Stamp| than.0 < stamp.0 && seen_there(&seen, than);
+            let time_s = stamp.seconds_since(seen.first);
+            match (found, &of.kind) {
+                (Some(proposal), EventKind::Start) if proposal.stamp <= stamp => {}
+                (Some(proposal), EventKind::End) if !is_later(proposal.stamp) => {}
+                (Some(proposal), _) => (proposal.stamp, proposal.time_s) = (stamp, time_s),
+                (None, _) => proposals.push(MarkProposal {
+                    track: scene.tracks_of(scene.mechanism_of(phase.link)).next(),
+                    event: Some(of.name.clone()),
+                    stamp,
+                    time_s,
+                    score: None,
+                }),
             }
         }
     }
+}
+
+/// A proposed mark.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MarkProposal {
+    /// The track whose motion has the kink (index into `Scene::tracks`); `None` for start and end.
+    pub track: Option<TrackIndex>,
+    /// Name of its event, if as many were searched for as the scene has: `bounce 2` of a collision `bounce` that
+    /// the scene repeats.
+    pub event: Option<String>,
+    /// Its time on the clock of the samples.
+    pub stamp: Stamp,
+    /// Its time [s since the first sample].
+    pub time_s: f64,
+    /// See [`segment::Proposal::score`]; `None` for start and end.
+    pub score: Option<f64>,
 }
 
 /// Whether something is seen at a time, or soon after it.

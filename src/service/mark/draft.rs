@@ -239,7 +239,15 @@ impl SceneDraft {
                 }
                 let own = format!("{}.friction", link.name);
                 let is_slide = motion == "slide";
-                let has_own = is_slide && scene.parameters.iter().any(|of| of.name == own);
+                let mut laws = scene.contact_laws.iter();
+                let has_own =
+                    is_slide && laws.any(|law| law.name == link.name && law.friction > 0.0);
+                let is_free = scene.parameters.iter().any(|of| of.name == own)
+                    || self.text.contains(&format!("quantity = {own:?}"));
+                // Its impacts have the same.
+                if has_own && !is_free && on.friction.is_some() {
+                    let _ = write!(free, "\n[[free]]\nquantity = {own:?}\n");
+                }
                 if motion != "rest" && !has_own {
                     let usual = FRICTIONS[usize::from(!is_slide)];
                     let friction = on.friction.unwrap_or(usual);
