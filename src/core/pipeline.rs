@@ -25,6 +25,7 @@ mod seen;
 mod sound;
 mod spread;
 mod stages;
+mod stick;
 mod warm;
 
 use self::diagnose::diagnose;

@@ -65,6 +65,7 @@ fn cause(remedy: &Remedy) -> &'static str {
         Remedy::Surface { .. } => "surface_height",
         Remedy::Origin { .. } => "origin",
         Remedy::MissedCollision { .. } => "missed_collision",
+        Remedy::StuckTogether { .. } => "stuck_together",
         Remedy::FreeLabels { .. } => "goal_labels",
     }
 }
@@ -93,6 +94,7 @@ fn key(remedy: &Remedy, source: SampleSource) -> &'static str {
         Remedy::GoalQuaternions(_) => "goal.orientation_wxyz",
         Remedy::Surface { .. } | Remedy::Origin { .. } => "surface.point_mm",
         Remedy::MissedCollision { .. } => "event",
+        Remedy::StuckTogether { .. } => "joint",
         Remedy::FreeLabels { .. } => "goal.labels",
     }
 }
@@ -137,6 +139,13 @@ fn value(scene: &Scene, remedy: &Remedy) -> String {
             "{{ kind = \"collision\", body = {:?}, surface = {:?}, … }}",
             scene.links[*link].name, scene.surfaces[*surface].name
         ),
+        Remedy::StuckTogether { event, links } => {
+            let [child, parent] = links.map(|link| &scene.links[link].name);
+            let from = &scene.events[*event].name;
+            format!(
+                "{{ kind = \"fixed\", parent = {parent:?}, child = {child:?}, from = {from:?} }}"
+            )
+        }
         Remedy::FreeLabels { .. } => "\"free\"".to_owned(),
         Remedy::Origin { higher_m } => format!("+ {}", tenths(&(higher_m * 1e3))),
     }
@@ -274,6 +283,14 @@ fn advice(scene: &Scene, of: &Diagnosis, value: &str) -> String {
              mark there",
             scene.links[*link].name, scene.surfaces[*surface].name
         ),
+        Remedy::StuckTogether { event, links } => {
+            let [child, parent] = links.map(|link| &scene.links[link].name);
+            let from = &scene.events[*event].name;
+            format!(
+                "`{child}` and `{parent}` fly as one from `{from}` on: make of it an event with `kind = \"change\"` and `body = {child:?}` \
+                 alone, and add `[[joint]]` with {value}"
+            )
+        }
         Remedy::FreeLabels { goal } => {
             let goal = &scene.rest_goals[*goal];
             format!(

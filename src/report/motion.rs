@@ -178,10 +178,11 @@ pub(super) fn event_lines(of: &Reported) -> Vec<EventLine> {
                 time_leans_on: leaning_line(scene, event),
                 acted_s: event.acted_s,
                 bodies: match &of_scene.kind {
-                    EventKind::Collision(collision) => collision.links().map(name).collect(),
-                    EventKind::Change(link) | EventKind::Waypoint(link) => vec![name(*link)],
                     EventKind::Start | EventKind::Collisions { .. } | EventKind::End => {
                         scene.links.keys().map(name).collect()
+                    }
+                    EventKind::Collision(_) | EventKind::Change(_) | EventKind::Waypoint(_) => {
+                        scene.links_at(event.event).into_iter().map(name).collect()
                     }
                 },
                 contact: scene.contact_words(event.event),

@@ -59,6 +59,12 @@ pub fn predict(job: &PredictJob) -> anyhow::Result<RecordingReport> {
         last(&scene, job.until.as_deref()).map_err(|error| error.context(path.to_string()))?;
     let name = scene.events[event].name.clone();
     if let Some(phase) = scene.tied_at(event) {
+        if phase.stuck_to().is_some() {
+            bail!(
+                "{path}: bodies stick together ({:?}) at {name:?} or before, expected --until an event before that: how both go on as one is not predicted",
+                phase.name
+            );
+        }
         bail!(
             "{path}: {:?} ties {:?} until {name:?}, expected --until an event at which nothing holds it: how it is let go is not known",
             phase.name,

@@ -17,4 +17,5 @@ mod seen;
 mod shell;
 #[path = "../support/skip.rs"]
 mod skip;
+mod sticking;
 mod terminal;

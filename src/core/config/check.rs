@@ -268,6 +268,10 @@ fn change(scene: &Scene, link: LinkIndex, event: usize) -> String {
         phase.map_or("flies", SupportPhase::verb)
     };
     let name = &scene.links[link].name;
+    if let Some(pair) = scene.stuck_at(event) {
+        let [one, other] = pair.links.map(|link| &scene.links[link].name);
+        return format!("{one} and {other} fly as one from then on");
+    }
     format!("{name}, which {}, {} from then on", of(false), of(true))
 }
 

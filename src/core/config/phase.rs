@@ -1,8 +1,9 @@
-//! Phases: bodies that stay on surfaces, are in a hand, are held still, or are tied to the world for a while.
+//! Phases: bodies that stay on surfaces, are in a hand, are held still, are tied to the world for a while, or stick together.
 
 mod hand;
 mod on_surface;
 mod pivot;
+mod stuck;
 
 use std::ops::Range;
 
@@ -43,15 +44,23 @@ pub(super) fn phases(
         let phase = phase(name, link, by, ends, spanned.span(), scene)?;
         push(&mut phases, phase, of.from.span())?;
     }
+    let mut partners: Vec<SupportPhase> = Vec::new();
     for spanned in raw.joint.iter().filter(|of| of.get_ref().is_for_a_while()) {
         let of = spanned.get_ref();
         let parent = of.parent.as_ref().map(|text| link_of(text, scene));
-        let (joint, by) = match parent.transpose()?.filter(|link| scene.is_held(*link)) {
-            Some(hand) => {
+        let (joint, by) = match parent.transpose()? {
+            Some(hand) if scene.is_held(hand) => {
                 let (joint, grip) = hand::gripped(spanned, hand, scene)?;
                 (joint, SupportedBy::Hand(grip))
             }
-            None => {
+            Some(parent) if stuck::is_meant(of) => {
+                for text in of.parent.iter().chain([&of.child]) {
+                    carried(text, scene)?;
+                }
+                let (joint, by) = stuck::stuck(spanned, parent, scene)?;
+                (joint, SupportedBy::Body(by))
+            }
+            _ => {
                 let (joint, at) = pivot::tied(spanned, scene)?;
                 (joint, SupportedBy::Pivot(at))
             }
@@ -61,7 +70,13 @@ pub(super) fn phases(
         refuse_drag(&of.child, link, &by, scene)?;
         let ends = [of.from.as_ref(), of.until.as_ref()];
         let phase = phase(joint.name, link, by, ends, spanned.span(), scene)?;
+        partners.extend(stuck::partner(&phase));
         push(&mut phases, phase, spanned.span())?;
+    }
+    // After all, so that the others are in the order of their tables.
+    for partner in partners {
+        stuck::check_alone(raw, &partner, &phases, scene)?;
+        phases.push(partner);
     }
     for (event, of) in scene.events.iter().enumerate() {
         let Some(link) = of.kind.change() else {
@@ -206,6 +221,9 @@ pub(super) fn check_beginnings(raw: &RawScene, scene: &Scene) -> Result<(), Faul
     for (span, phase) in froms.zip(&scene.phases) {
         if phase.in_hand().is_some() {
             hand::check_ends(span, phase, scene)?;
+            continue;
+        }
+        if phase.stuck_to().is_some() {
             continue;
         }
         let from = &scene.events[phase.events[0]].kind;

@@ -17,6 +17,7 @@ mod held;
 mod laws;
 mod reach;
 mod refusals;
+mod sticking;
 mod waypoints;
 
 /// Uses every kind of table; line numbers matter to the tests below.

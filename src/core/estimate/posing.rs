@@ -163,6 +163,7 @@ impl Problem {
                 .filter_map(|of| Some(scene.links[of.links().next()?].body))
                 .collect(),
             changes,
+            stickings: support::stickings(scene, &arcs, &gravity_parameters),
             supports: support::supports(scene, &arcs),
             grips: support::grips(scene, sketch),
             gravity_m_s2: scene.gravity_m_s2,

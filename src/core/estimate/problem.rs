@@ -370,6 +370,19 @@ pub struct ArcChange {
     pub acting: Vec<Acting>,
 }
 
+/// An event from which on two bodies are one.
+#[derive(Clone, Debug)]
+pub struct ArcSticking {
+    /// The event.
+    pub event: usize,
+    /// The arcs of both.
+    pub sides: [ArcPair; 2],
+    /// A moment of inertia of both together [kg m²]: angular momenta over it are rates.
+    pub per_kg_m2: f64,
+    /// Parameters that act on the arcs; gravity among them.
+    pub acting: Vec<Acting>,
+}
+
 /// What moves a body beside an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MovedBy {
@@ -587,6 +600,8 @@ pub struct Problem {
     pub ordered: Vec<Ordered>,
     /// Events at which a motion on a support ends or begins without an impact.
     pub changes: Vec<ArcChange>,
+    /// Events from which on two bodies are one.
+    pub stickings: Vec<ArcSticking>,
     /// Where motions on a support begin with the performance.
     pub supports: Vec<ArcSupport>,
     /// Events between which a hand moves something.

@@ -75,6 +75,32 @@ impl Solved {
         }
     }
 
+    /// The motion from this one on where what flies is as the performance's scene says it is; `None` where there is none.
+    pub fn flown_as_said(
+        &self,
+        performance: Performance,
+        observer: &mut dyn Observer,
+    ) -> Option<Self> {
+        let mut problem = self.posed.problem.clone();
+        for arc in &mut problem.arcs {
+            let scene = performance.scene;
+            arc.body = scene.body_between(arc.mechanism, [arc.start, arc.end]);
+        }
+        let posed = Posed::new(problem);
+        let solution = recipe::solve_from(
+            &posed.problem,
+            &posed.layout,
+            self.solution.point.clone(),
+            self.epochs_s.clone(),
+            &Recipe::default().from_the_last(),
+            &mut bounded(observer),
+        );
+        let mut counters = self.estimate.counters;
+        add(&mut counters, &solution.work, 0);
+        let is_found = solution.finished.converged;
+        is_found.then(|| self.with_solution(posed, solution, performance, counters))
+    }
+
     /// See [`Solved`].
     fn in_time(&self, context: &SolveContext) -> Option<&InTime> {
         let told = || adequacy::in_time(context, &self.solution);

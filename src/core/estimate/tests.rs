@@ -26,6 +26,7 @@ pub(super) mod conditions;
 mod held;
 mod laws;
 mod sliding;
+mod sticking;
 mod waypoints;
 pub(in crate::estimate) mod woven;
 
@@ -524,6 +525,7 @@ pub(super) fn each_case(offset: f64, check: impl Fn(&SolveContext, &Guidance, &P
             held::held(timing, 9.0),
             landing(timing),
             sliding::sliding(timing),
+            sticking::sticking(timing),
         ];
         let paces: &[f64] = if timing == Timing::Known {
             &[1.0]

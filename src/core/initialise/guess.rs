@@ -1,5 +1,7 @@
 //! Fits all segments and places the fits on one time line (paper §6.2.1).
 
+use std::borrow::Cow;
+
 use super::ballistic::{self, Place};
 use super::between::{self, FITTED_MIN, is_fitted};
 use super::clock;
@@ -9,6 +11,7 @@ use super::turn::{self, OrientationReading};
 use super::{carried, crossing, keyed, open_times, pointing, released, roll, swing, tied, unseen};
 use crate::motion::{Guess, Observer, Quantity, Scene, Segment, Sketch, SupportedBy, Timing};
 use crate::physics::State;
+use crate::physics::support::StuckPart;
 
 /// Greatest number of choices of fits.
 const GUESSES_MAX: usize = 5;
@@ -84,7 +87,16 @@ pub fn guess(
     let mut fit_iterations = 0;
     let mut fits: Vec<Vec<ArcFit>> = Vec::new();
     let mut arcs = Vec::new();
-    for ((segment, readings), rate) in segments.iter().zip(&readings).zip(&rates) {
+    let parts = segments.iter().map(|segment| {
+        let support = scene
+            .body_between(segment.mechanism, segment.ends())
+            .support();
+        support.and_then(|support| support.stuck())
+    });
+    let parts: Vec<Option<StuckPart>> = parts.collect();
+    for (((segment, readings), rate), part) in
+        segments.iter().zip(&readings).zip(&rates).zip(&parts)
+    {
         let middle_s = middle_s(segment);
         let epoch_s = time_line.at(middle_s);
         let samples = sketch.samples_in(segment);
@@ -93,9 +105,15 @@ pub fn guess(
         if !is_fitted(segment) {
             continue;
         }
-        let body = scene.body_of(segment.mechanism);
+        // What is stuck to another body flies as both together do.
+        let readings = &part.map_or(Cow::Borrowed(readings), |part| {
+            Cow::Owned(readings.of_whole(&part))
+        });
+        let whole = part.map(|part| part.whole());
+        let body = whole.as_ref().unwrap_or(scene.body_of(segment.mechanism));
         let mut pull_m_s2 = body.pull_m_s2(&scene.gravity_m_s2);
         let phase = scene.phase_between(segment.mechanism, segment.ends());
+        let phase = phase.filter(|_| part.is_none());
         if phase.is_some() {
             // On a surface friction decides.
             pull_m_s2 = ballistic::acceleration_m_s2(&readings.places, middle_s) / (rate * rate);
@@ -183,6 +201,13 @@ pub fn guess(
             ArcFit::of(state, turn.square_rad2)
         });
         fits.push(turned.collect());
+    }
+    let fitted = parts.iter().zip(segments).filter(|(_, of)| is_fitted(of));
+    for ((part, _), fits) in fitted.zip(&mut fits) {
+        if let Some(part) = part {
+            fits.iter_mut()
+                .for_each(|fit| fit.state = part.of_body(&fit.state));
+        }
     }
     let marks_s = sketch.marks_s.iter();
     let guess = Guess {

@@ -8,6 +8,7 @@ use crate::math::so3;
 use crate::motion::{Sample, Scene, Seen, Sees, Segment, Sketch};
 use crate::physics::Body;
 use crate::physics::body::Symmetry;
+use crate::physics::support::StuckPart;
 
 /// An orientation at an acted time \[s, world from body\].
 pub type Turn = (f64, UnitQuaternion<f64>);
@@ -69,6 +70,22 @@ impl Readings {
         readings.places.sort_by(|a, b| a.0.total_cmp(&b.0));
         readings.turns.sort_by(|a, b| a.0.total_cmp(&b.0));
         readings
+    }
+
+    /// The readings of the whole of which the body is a part, as far as orientations are known: of its centre of mass and of its principal axes.
+    pub(super) fn of_whole(&self, part: &StuckPart) -> Self {
+        let places = self.places.iter().map(|(acted_s, place_m)| {
+            let known = !self.turns.is_empty();
+            let lever_m = known.then(|| nearest(&self.turns, *acted_s) * part.centre_m);
+            (*acted_s, place_m + lever_m.unwrap_or_default())
+        });
+        let turns = self.turns.iter();
+        let turns = turns.map(|(acted_s, turn)| (*acted_s, turn * part.axes));
+        Self {
+            places: places.collect(),
+            turns: turns.collect(),
+            ..self.clone()
+        }
     }
 
     /// The axis that alone is seen, in the body.

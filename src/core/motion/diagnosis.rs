@@ -100,6 +100,13 @@ pub enum Remedy {
         /// When, in acted time \[s\].
         acted_s: f64,
     },
+    /// Two bodies that hit each other are one from then on.
+    StuckTogether {
+        /// The collision.
+        event: usize,
+        /// What hits, and what is hit.
+        links: [LinkIndex; 2],
+    },
     /// The labels of a body's faces may be turned: then it rests as asked.
     FreeLabels {
         /// Index into `Scene::rest_goals`.

@@ -68,8 +68,8 @@ pub use scene::{
     ContactLaw, Event, EventKind, EventTime, Feature, FreeBody, FreeParameter, Goal, GoalEstimate,
     GoalQuantity, GoalSet, GoalTarget, GoalUnit, Group, Held, InHand, Joint, JointEnd, JointTree,
     Link, Mechanism, Moment, Obstacle, OnSurface, Partner, Performer, Quantity, RestGoal, Scene,
-    Sees, SupportPhase, SupportedBy, Surface, Timing, Together, Touching, Track, TreeTouch, Untold,
-    VelocityGaps, Weighing, Weights,
+    Sees, StuckPair, StuckTo, SupportPhase, SupportedBy, Surface, Timing, Together, Touching,
+    Track, TreeTouch, Untold, VelocityGaps, Weighing, Weights,
 };
 pub use seen_phase::{SeenMotion, SeenOnSurface, SeenPhase};
 pub use settled::{Settled, SettledLink};

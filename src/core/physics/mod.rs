@@ -13,6 +13,7 @@ pub mod observe;
 pub mod outline;
 pub mod shape;
 pub mod state;
+pub mod stuck;
 pub mod support;
 pub mod tree;
 

@@ -1,6 +1,6 @@
-//! What carries a body between two events: a plane on which it stays, or a pivot about which it turns.
+//! What carries a body between two events: a plane on which it stays, a pivot about which it turns, or a body that it is stuck to.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// What carries a body, and by which law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,6 +9,31 @@ pub enum Support {
     Plane(PlaneSupport),
     /// A place that the body does not leave.
     Pivot(Pivot),
+    /// Another body, with which it flies as one.
+    Stuck(StuckPart),
+}
+
+impl Support {
+    /// What part of a whole a body is that is stuck to another.
+    pub fn stuck(&self) -> Option<StuckPart> {
+        match self {
+            Self::Stuck(part) => Some(*part),
+            Self::Plane(_) | Self::Pivot(_) => None,
+        }
+    }
+}
+
+/// A body that is a rigid part of a greater one, which flies freely.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StuckPart {
+    /// Centre of mass of the whole [m, body].
+    pub centre_m: Vector3<f64>,
+    /// The body's axes from the principal axes of the whole.
+    pub axes: UnitQuaternion<f64>,
+    /// Mass of the whole \[kg\].
+    pub mass_kg: f64,
+    /// Principal moments of the whole [kg m²].
+    pub moments_kg_m2: Vector3<f64>,
 }
 
 /// A plane on which a body stays, with the law of friction between them.

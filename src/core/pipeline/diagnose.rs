@@ -66,8 +66,12 @@ pub(super) fn diagnose(
     work: usize,
     observer: &mut dyn Observer,
 ) -> Vec<Diagnosis> {
-    let is_settled = |outcome: &Outcome| is_explained(outcome) || is_well(outcome, NEAR);
-    if outcome.is_some_and(is_settled) || observer.should_stop() {
+    // Bodies that part a little where they stay together are near all the same.
+    let is_near_all = outcome.is_some_and(|outcome| is_well(outcome, NEAR));
+    let is_apart = outcome.is_some_and(|outcome| outcome.estimate.fits() == Fits::No)
+        && stuck_together(scene).next().is_some();
+    let is_settled = outcome.is_some_and(is_explained) || is_near_all && !is_apart;
+    if is_settled || observer.should_stop() {
         return Vec::new();
     }
     observer.phase(Phase::Diagnose);
@@ -110,9 +114,12 @@ pub(super) fn diagnose(
         return Vec::new();
     }
     let mut found: Vec<(f64, Diagnosis)> = Vec::new();
-    let remedies = if outcome.is_some_and(|outcome| is_well(outcome, FAR)) {
+    let remedies = if is_near_all {
+        stuck_together(scene).collect()
+    } else if outcome.is_some_and(|outcome| is_well(outcome, FAR)) {
         let turned = mount::turned(&facts);
-        mount::remedies(&facts).into_iter().chain(turned).collect()
+        let mounts = mount::remedies(&facts).into_iter().chain(turned);
+        stuck_together(scene).chain(mounts).collect()
     } else {
         remedies(&facts)
     };
@@ -215,6 +222,7 @@ fn remedies(facts: &Facts) -> Vec<Remedy> {
     }
     remedies.extend(units::of_scenes(facts));
     remedies.extend(missed::remedies(facts));
+    remedies.extend(stuck_together(facts.scene));
     remedies.extend(world::remedies(facts));
     remedies.extend(quaternions::remedies(facts));
     remedies.extend(mount::remedies(facts));
@@ -222,6 +230,18 @@ fn remedies(facts: &Facts) -> Vec<Remedy> {
     let all = remedies.iter().enumerate();
     let first = all.filter(|(index, remedy)| !remedies[..*index].contains(remedy));
     first.map(|(_, remedy)| remedy.clone()).collect()
+}
+
+/// Collisions of two bodies that may stick together.
+fn stuck_together(scene: &Scene) -> impl Iterator<Item = Remedy> {
+    (0..scene.events.len()).filter_map(|event| {
+        let [link, other] = scene.links_at(event).try_into().ok()?;
+        scene.with_stuck(event)?;
+        Some(Remedy::StuckTogether {
+            event,
+            links: [link, other],
+        })
+    })
 }
 
 /// A remedy with its best value, and the motion with it.

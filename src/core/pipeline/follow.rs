@@ -147,7 +147,7 @@ impl<'a> Acted<'a> {
         let track = &self.sketch.tracks[view.track];
         let slack_s = BEHIND_INTERVALS * median_interval_s(track);
         let collision = |event: Option<usize>| {
-            event.filter(|event| self.scene.events[*event].kind.collision().is_some())
+            event.filter(|event| self.scene.jolts(*event))
         };
         let acted_s = |index: usize| track.samples.get(index).map(|sample| sample.acted_s);
         let before = view.samples.start.checked_sub(1).and_then(acted_s);

@@ -6,6 +6,7 @@ use super::follow::follow;
 use super::infer::Inferred;
 use super::outcome::{Outcome, PipelineError};
 use super::stages::{Cut, account, cut, solve};
+use super::stick;
 use crate::estimate::{Deviations, Solved};
 use crate::motion::{
     Doubt, GoalTarget, Observer, Performance, Phase, Sample, SampleCounts, Scene, Segment, Sketch,
@@ -60,13 +61,20 @@ impl Performed {
     pub(super) fn refine(&mut self, observer: &mut dyn Observer) {
         let (solved, performance) = self.parts();
         solved.refine(performance, observer);
+        self.stick(observer);
     }
 
     /// Goes on so from a motion that was led elsewhere, where samples did not show a hand before.
     pub(super) fn refine_again(&mut self, observer: &mut dyn Observer) {
-        if !self.inferred.solved.errs_in_time() {
-            self.refine(observer);
+        match self.inferred.solved.errs_in_time() {
+            true => self.stick(observer),
+            false => self.refine(observer),
         }
+    }
+
+    /// Goes on to the motion in which bodies stick together where they meet in it.
+    fn stick(&mut self, observer: &mut dyn Observer) {
+        stick::again(&mut self.inferred, &self.sketch, &self.segments, observer);
     }
 
     /// Looks whether the motion explains the performance.

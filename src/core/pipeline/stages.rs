@@ -62,6 +62,7 @@ pub(super) fn solve(
     observer: &mut dyn Observer,
 ) -> Result<Inferred, PipelineError> {
     let segments = &cut.segments;
+    let scene = &segment::stuck(scene, sketch, segments)?;
     observer.phase(Phase::ArcFits);
     let guessed = initialise::guess(scene, sketch, segments, observer);
     initialise::weigh(scene, sketch, segments, &guessed.guesses[0]);

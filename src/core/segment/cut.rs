@@ -114,7 +114,7 @@ fn between(
         EventKind::Change(link) => {
             let mechanism = scene.mechanism_of(link);
             let is_hand = |is_after| scene.hand_beside(mechanism, event, is_after);
-            let is_beside = is_hand(false) || is_hand(true);
+            let is_beside = is_hand(false) || is_hand(true) || scene.jolts(event);
             if is_beside { window_s } else { 0.0 }
         }
         EventKind::Start | EventKind::Waypoint(_) | EventKind::End => 0.0,

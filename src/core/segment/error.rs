@@ -181,6 +181,19 @@ pub enum SegmentError {
         /// Last sample of the bodies that take part.
         last_s: f64,
     },
+    /// Where bodies stick together nobody sees.
+    #[error(
+        "bodies `{}` and `{}` stick together from `{event}` on, and no tracker sees both at one time after it: where they stick \
+         is as trackers show it",
+        bodies[0],
+        bodies[1]
+    )]
+    NotSeenStuck {
+        /// The event.
+        event: String,
+        /// Names of the bodies.
+        bodies: [String; 2],
+    },
     /// Too little data between two events.
     #[error(
         "body `{body}` has {samples} usable samples between {from} and {to}: at least \

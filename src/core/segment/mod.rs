@@ -29,6 +29,7 @@ pub mod relocate;
 mod seen;
 pub mod smooth;
 mod stays;
+mod stick;
 mod toss;
 mod units;
 
@@ -41,3 +42,4 @@ pub use refine::{loosen, refine};
 pub use regrip::regrip;
 pub use relocate::relocate_marks;
 pub use stays::{said, seen_phases};
+pub use stick::stuck;

@@ -51,7 +51,7 @@ pub fn refine(scene: &Scene, sketch: &mut Sketch) -> usize {
         return 0;
     }
     let events: Vec<usize> = (0..scene.events.len())
-        .filter(|event| scene.events[*event].kind.collision().is_some())
+        .filter(|event| scene.jolts(*event))
         // A fixed time is that of the mark as it was made.
         .filter(|event| scene.time_is_free(*event))
         .collect();
@@ -79,10 +79,10 @@ fn left_m2_of(scene: &Scene, sketch: &Sketch, sums: &PrefixSums, track: TrackInd
     let samples = &sketch.tracks[track].samples;
     let mechanism = scene.mechanism_seen_by(track);
     let (mut left_m2, mut begin) = (0.0, 0);
-    for (event, of) in scene.events.iter().enumerate() {
+    for event in 0..scene.events.len() {
         if scene.concerns(event, mechanism) {
             let at = samples.partition_point(|s| s.acted_s <= sketch.marks_s[event]);
-            let beside = usize::from(of.kind.collision().is_some());
+            let beside = usize::from(scene.jolts(event));
             let ends = scene.phase_beside(mechanism, event, false);
             left_m2 += sums.cost_of(begin, at.saturating_sub(beside), ends.is_some());
             begin = (at + beside).min(samples.len());
@@ -153,7 +153,7 @@ impl Stretch {
         let index_at = |event: usize| cut_at(sketch, track, event);
         let (first, last) = (events[0], events[events.len() - 1]);
         // Samples beside a neighbouring collision are left out, as in the cut.
-        let beside = |other: usize| usize::from(scene.events[other].kind.collision().is_some());
+        let beside = |other: usize| usize::from(scene.jolts(other));
         let mut before = (0..first).rev();
         let mut after = last + 1..scene.events.len();
         let begin = before.find(concerns).map_or(0, |e| index_at(e) + beside(e));
@@ -204,8 +204,7 @@ fn cut_at(sketch: &Sketch, track: TrackIndex, event: usize) -> usize {
 /// tracks are each by itself.
 fn close_events(scene: &Scene, sketch: &Sketch, event: usize) -> Vec<usize> {
     let track_of = |event: usize| {
-        let collision = scene.events[event].kind.collision()?;
-        let mut tracks = scene.tracks_in(collision);
+        let mut tracks = scene.tracks_jolted(event).into_iter();
         tracks.next().filter(|_| tracks.next().is_none())
     };
     let Some(track) = track_of(event) else {
@@ -253,13 +252,10 @@ fn refine_one(
     event: usize,
 ) -> bool {
     let close = close_events(scene, sketch, event);
-    let Some(collision) = scene.events[event].kind.collision() else {
-        return false;
-    };
     if close.is_empty() {
         return false;
     }
-    let tracks = scene.tracks_in(collision);
+    let tracks = scene.tracks_jolted(event).into_iter();
     let stretches = tracks.map(|track| Stretch::new(scene, sketch, track, &close));
     let stretches: Vec<Stretch> = stretches.collect();
     let Some(first) = stretches.first().map(|stretch| stretch.track) else {

@@ -24,7 +24,7 @@ use super::law::CheckedLaw;
 use super::meeting::World;
 use super::moving::MovingLink;
 use crate::math::so3;
-use crate::motion::{Balance, LinkIndex};
+use crate::motion::{Balance, LinkIndex, StuckPair};
 use crate::physics::Support;
 use crate::physics::contact::Frame;
 use crate::physics::flow::Fall;
@@ -85,7 +85,94 @@ pub(super) fn balance(world: &World) -> Balance {
             impact.check(&law, &mut balance);
         }
     }
+    for (pair, states) in stuck(world) {
+        let bodies = pair.links.map(|link| &world.links[link].of_scene.body);
+        StickingImpact { bodies, states }.check(&mut balance);
+    }
     balance
+}
+
+/// Two bodies that become one, with their states just before and just after.
+struct StickingImpact<'a> {
+    bodies: [&'a Body; 2],
+    states: [[State; 2]; 2],
+}
+
+impl StickingImpact<'_> {
+    /// Together they keep their momenta, and lose energy.
+    fn check(&self, balance: &mut Balance) {
+        let [before, after] = self.states.map(|of| PairTotals::of(self.bodies, &of));
+        let size: f64 = (0..2)
+            .map(|side| self.bodies[side].mass_kg() * self.states[0][side].velocity_m_s.norm())
+            .sum();
+        let change = after.momentum - before.momentum;
+        balance.impact_momentum = balance.impact_momentum.max(relative(change.norm(), size));
+        let change = after.angular_momentum - before.angular_momentum;
+        let turned = relative(change.norm(), before.angular_size);
+        balance.impact_angular_momentum = balance.impact_angular_momentum.max(turned);
+        let gained_j = (after.energy_j - before.energy_j).max(0.0);
+        let gained = relative(gained_j, before.energy_j);
+        balance.impact_energy = balance.impact_energy.max(gained);
+    }
+}
+
+/// What two bodies have together: momentum, angular momentum about the centre of both, and energy.
+struct PairTotals {
+    momentum: Vector3<f64>,
+    angular_momentum: Vector3<f64>,
+    /// Sum of the sizes of its parts.
+    angular_size: f64,
+    energy_j: f64,
+}
+
+impl PairTotals {
+    fn of(bodies: [&Body; 2], states: &[State; 2]) -> Self {
+        let mass_kg = bodies[0].mass_kg() + bodies[1].mass_kg();
+        let weighed = bodies.iter().zip(states);
+        let centre_m = weighed
+            .clone()
+            .map(|(body, of)| of.position_m * (body.mass_kg() / mass_kg))
+            .sum::<Vector3<f64>>();
+        let mut all = Self {
+            momentum: Vector3::zeros(),
+            angular_momentum: Vector3::zeros(),
+            angular_size: 0.0,
+            energy_j: 0.0,
+        };
+        for (body, state) in weighed {
+            let momentum = state.velocity_m_s * body.mass_kg();
+            let (spin, orbit) = (
+                spin_of(body, state),
+                (state.position_m - centre_m).cross(&momentum),
+            );
+            all.momentum += momentum;
+            all.angular_momentum += spin + orbit;
+            all.angular_size += spin.norm() + orbit.norm();
+            all.energy_j += kinetic_j(body, state);
+        }
+        all
+    }
+}
+
+/// Bodies that stick together in a motion, with their states just before that and just after.
+fn stuck<'a>(world: &'a World) -> impl Iterator<Item = (StuckPair, [[State; 2]; 2])> + 'a {
+    world.scene.stuck_pairs().filter_map(|pair| {
+        let mut events = world.estimate.events.iter();
+        let time_s = events.find(|of| of.event == pair.event)?.time_s;
+        let state = |link: LinkIndex, is_after: bool| {
+            let link = &world.links[link];
+            let arc = match is_after {
+                true => link.starting_at(time_s)?,
+                false => link.ending_at(time_s)?,
+            };
+            Some(link.state(arc, time_s))
+        };
+        let both = |is_after: bool| {
+            let [one, other] = pair.links.map(|link| state(link, is_after));
+            Some([one?, other?])
+        };
+        Some((pair, [both(false)?, both(true)?]))
+    })
 }
 
 fn flight(
@@ -96,6 +183,11 @@ fn flight(
     support: Option<Support>,
     balance: &mut Balance,
 ) {
+    // What is stuck to another body gives to that and takes from it: both together keep what a flight keeps.
+    if let Some(part) = support.and_then(|support| support.stuck()) {
+        let ends = [part.of_whole(start), part.of_whole(end)];
+        return flown(world, &part.whole(), &ends, duration_s, balance);
+    }
     let body = &link.of_scene.body.with_support(support);
     let gravity = world.estimate.gravity_m_s2;
     let pull = body.pull_m_s2(&gravity);
@@ -108,6 +200,19 @@ fn flight(
         balance.flight_energy = balance.flight_energy.max(gained);
         return;
     }
+    flown(world, body, &[*start, *end], duration_s, balance);
+}
+
+/// What a free flight keeps.
+fn flown(
+    world: &World,
+    body: &Body,
+    [start, end]: &[State; 2],
+    duration_s: f64,
+    balance: &mut Balance,
+) {
+    let gravity = world.estimate.gravity_m_s2;
+    let pull = body.pull_m_s2(&gravity);
     let drag = DragSum::over(body, &gravity, start, duration_s);
     let potential = -body.mass_kg() * pull.dot(&(end.position_m - start.position_m));
     let (before, after) = (kinetic_j(body, start), kinetic_j(body, end));

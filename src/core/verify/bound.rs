@@ -36,6 +36,15 @@ impl SpeedBound {
                 speed_m_s: ends[0].velocity_m_s.norm() + pull_m_s2.norm() * duration_s.abs(),
                 spin_rad_s: arc.state.angular_velocity_rad_s.norm(),
             },
+            Some(Support::Stuck(part)) => {
+                let [first, last] = [0, 1].map(|end: usize| part.of_whole(&ends[end]));
+                let speed_m_s = first.velocity_m_s.norm().max(last.velocity_m_s.norm());
+                let spin_rad_s = spin_bound_rad_s(&part.whole(), &first.angular_velocity_rad_s);
+                Self {
+                    speed_m_s: speed_m_s + spin_rad_s * part.centre_m.norm(),
+                    spin_rad_s,
+                }
+            }
             None => Self {
                 // |v| is largest at an end: where it stands still its second derivative is positive, as
                 // |p|² > (p·v)²/v² there, with drag as without.

@@ -57,6 +57,7 @@ fn slip_m_s(support: &Support, state: &State, reach_m: f64) -> f64 {
     let spin = state.orientation * state.angular_velocity_rad_s;
     let plane = match support {
         Support::Plane(plane) => plane,
+        Support::Stuck(_) => return 0.0,
         Support::Pivot(pivot) => {
             let omega = state.angular_velocity_rad_s;
             let borne = omega - pivot.axes.allowed() * omega;

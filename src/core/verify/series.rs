@@ -47,6 +47,11 @@ pub(super) fn advance(
         Some(Support::Pivot(pivot)) => {
             return tied::advance(body, &pivot, gravity_m_s2, state, duration_s);
         }
+        Some(Support::Stuck(part)) => {
+            let whole = part.of_whole(state);
+            let flown = advance(&part.whole(), gravity_m_s2, &whole, duration_s);
+            return part.of_body(&flown);
+        }
         None => {}
     }
     let (position_m, velocity_m_s) = fall(body, gravity_m_s2, state, duration_s);

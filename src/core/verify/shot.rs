@@ -5,12 +5,14 @@
 //! law of impact with the estimated parameters. Where the estimate leaves a velocity gap, or a
 //! collision does not happen, the simulation continues from the estimate's own state.
 
+use nalgebra::{Matrix3, Vector3};
 use typed_index_collections::TiVec;
 
 use super::gap::Gaps;
 use super::law::CheckedLaw;
 use super::meeting::World;
 use super::{series, tied};
+use crate::math::so3;
 use crate::motion::{Deviation, EventEstimate, LinkIndex, SingleShot};
 use crate::physics::impact::Velocities;
 use crate::physics::{State, Support};
@@ -62,11 +64,14 @@ pub(super) fn shoot<'w>(world: &'w World<'w>) -> SingleShot {
         if world.scene.events[event.event].kind.collision().is_some() {
             shot.collide(event);
         }
-        if let Some(link) = world.scene.events[event.event].kind.change() {
-            shot.advance(link, event.time_s);
-            shot.compare(link, Some(event.event), event.time_s);
-            shot.catch(link, event.time_s);
-            shot.put_down(link, event.time_s);
+        if world.scene.events[event.event].kind.change().is_some() {
+            for link in world.scene.links_at(event.event) {
+                shot.advance(link, event.time_s);
+                shot.compare(link, Some(event.event), event.time_s);
+                shot.catch(link, event.time_s);
+                shot.put_down(link, event.time_s);
+            }
+            shot.merge(event.event);
         }
     }
     shot.end();
@@ -121,6 +126,42 @@ impl FreeShot<'_> {
         {
             flight.state = tied::caught(&link.of_scene.body, &pivot, &flight.state);
         }
+    }
+
+    /// Makes of two bodies that stick together from an event on one, which turns about the centre of mass of both with the moments that both
+    /// have there.
+    fn merge(&mut self, event: usize) -> Option<()> {
+        let pair = self.world.scene.stuck_at(event)?;
+        let [one, other] = pair.links.map(|link| {
+            let body = self.world.scene.links[link].body;
+            Some((body, self.flights[link]?.state))
+        });
+        let both = [one?, other?];
+        let mass_kg: f64 = both.iter().map(|(body, _)| body.mass_kg()).sum();
+        let mean = |of: fn(&State) -> Vector3<f64>| {
+            let each = both.iter();
+            let each = each.map(|(body, state)| of(state) * (body.mass_kg() / mass_kg));
+            each.sum::<Vector3<f64>>()
+        };
+        let (centre_m, velocity_m_s) = (mean(|of| of.position_m), mean(|of| of.velocity_m_s));
+        let (mut inertia, mut turning) = (Matrix3::zeros(), Vector3::zeros());
+        for (body, state) in &both {
+            let arm = so3::hat(&(state.position_m - centre_m));
+            let turn = so3::matrix(&state.orientation);
+            let own = turn * Matrix3::from_diagonal(&body.moments_kg_m2()) * turn.transpose();
+            inertia += own - arm * arm * body.mass_kg();
+            turning += own * (state.orientation * state.angular_velocity_rad_s);
+            turning += arm * state.velocity_m_s * body.mass_kg();
+        }
+        let spin = inertia.try_inverse()? * turning;
+        for link in pair.links {
+            if let Some(flight) = &mut self.flights[link] {
+                let of = &mut flight.state;
+                of.velocity_m_s = velocity_m_s + spin.cross(&(of.position_m - centre_m));
+                of.angular_velocity_rad_s = of.orientation.inverse() * spin;
+            }
+        }
+        Some(())
     }
 
     /// Begins again where a hand puts a body down: that ends its velocities.

@@ -16,7 +16,7 @@ pub(super) fn tied(spanned: &Spanned<RawJoint>, scene: &Scene) -> Result<(Joint,
     if let Some(parent) = &raw.parent {
         return fault(
             parent.span(),
-            "from and until are of a joint to the world or to a held body, expected no parent or one that is held",
+            "from and until are of a joint to the world, of one to a held body, or of a fixed one from which on two bodies are one: expected no parent, one that is held, or kind = \"fixed\"",
         );
     }
     let made = &of.joint;

@@ -104,7 +104,7 @@ pub(in crate::config) struct RawJoint {
     pub(in crate::config) stiffness_n_m: Option<Number>,
     /// Least and greatest angle about each axis. Default: none.
     pub(in crate::config) limits_deg: Option<Spanned<Vec<[f64; 2]>>>,
-    /// The event from which on it ties: a start, or a change at which it catches (docs/phases.md). Default: the start, where `until` is given.
+    /// The event from which on it ties: a start, a change at which it catches, or one from which on two bodies are one (docs/phases.md). Default: the start, where `until` is given.
     pub(in crate::config) from: Option<Text>,
     /// The event at which it lets go. Default: the end, where `from` is given.
     pub(in crate::config) until: Option<Text>,

@@ -118,9 +118,11 @@ impl Problem {
         let times = self.time_bounds.iter().map(|of| of as &dyn Constraint);
         let clearances = self.clearances.iter().map(|of| of as &dyn Constraint);
         let changes = self.changes.iter().map(|of| of as &dyn Constraint);
+        let stickings = self.stickings.iter().map(|of| of as &dyn Constraint);
         let supports = self.supports.iter().map(|of| of as &dyn Constraint);
         collisions
             .chain(changes)
+            .chain(stickings)
             .chain(supports)
             .chain(goals)
             .chain(conditions)

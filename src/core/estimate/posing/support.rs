@@ -2,8 +2,10 @@
 
 use super::gravity;
 use crate::estimate::problem::influence::Acting;
-use crate::estimate::problem::{Arc, ArcChange, ArcSupport, MovedBy, SupportPlace};
-use crate::motion::{EventKind, Scene, Sketch, SupportedBy};
+use crate::estimate::problem::{
+    Arc, ArcChange, ArcPair, ArcSticking, ArcSupport, MovedBy, SupportPlace,
+};
+use crate::motion::{EventKind, LinkIndex, Scene, Sketch, SupportedBy};
 use crate::physics::contact::Feature;
 use crate::physics::support::Caught;
 use crate::physics::{Body, Support, Sustained};
@@ -16,7 +18,11 @@ pub(super) fn changes(
     mut hold: impl FnMut(usize, usize) -> Option<usize>,
 ) -> Vec<ArcChange> {
     let events = scene.events.iter().enumerate();
-    let changes = events.filter_map(|(event, of)| Some((event, of.kind.change()?)));
+    let changes = events.filter(|(_, of)| of.kind.change().is_some());
+    let changes = changes.flat_map(|(event, _)| {
+        let links = scene.links_at(event).into_iter();
+        links.map(move |link| (event, link))
+    });
     let changes = changes.filter_map(|(event, link)| {
         let mechanism = scene.mechanism_of(link);
         let mut side = |is_after: bool| {
@@ -39,13 +45,15 @@ pub(super) fn changes(
         let [before, after] = sides.map(arc);
         let sustained = |arc: Option<usize>| match arcs[arc?].body.support()? {
             Support::Plane(plane) => Some(plane.sustained),
-            Support::Pivot(_) => None,
+            Support::Pivot(_) | Support::Stuck(_) => None,
         };
         let slip_ends = match (sustained(before), sustained(after)) {
             (Some(Sustained::Slide), Some(after)) => after != Sustained::Slide,
             (Some(Sustained::Roll), Some(after)) => after == Sustained::Rest,
             _ => false,
         };
+        // What two bodies that stick together keep of velocities they keep together.
+        let is_stuck = scene.sticks(event, mechanism);
         // A hand ends velocities where it puts something down, or takes what moves; what lay begins to move so slowly that they
         // tell no more than places when.
         let is_stopped = match (before, after) {
@@ -62,7 +70,7 @@ pub(super) fn changes(
         Some(ArcChange {
             event,
             sides,
-            keeps_velocities: !is_stopped,
+            keeps_velocities: !is_stopped && !is_stuck,
             slip_ends,
             caught: after.and_then(|after| caught(&arcs[after].body)),
             acting,
@@ -74,9 +82,50 @@ pub(super) fn changes(
 /// What catches a body that turns about a pivot from then on.
 fn caught(body: &Body) -> Option<Caught> {
     match body.support()? {
-        Support::Plane(_) => None,
+        Support::Plane(_) | Support::Stuck(_) => None,
         Support::Pivot(pivot) => Some(pivot.catch(&body.gyration_m2())),
     }
+}
+
+/// Where bodies stick together.
+pub(super) fn stickings(
+    scene: &Scene,
+    arcs: &[Arc],
+    gravity_parameters: &[Option<usize>; 3],
+) -> Vec<ArcSticking> {
+    let pairs = scene.stuck_pairs().filter_map(|pair| {
+        let side = |link: LinkIndex| {
+            let mechanism = scene.mechanism_of(link);
+            let mut own = arcs.iter().enumerate();
+            let mut own = || {
+                own.find(|(_, arc)| {
+                    let is_beside = [arc.start, arc.end].contains(&Some(pair.event));
+                    arc.mechanism == mechanism && is_beside
+                })
+            };
+            // Arcs are in order of time.
+            let (before, after) = (own()?.0, own()?.0);
+            Some(ArcPair {
+                mechanism,
+                before,
+                after,
+            })
+        };
+        let [first, second] = pair.links.map(side);
+        let sides = [first?, second?];
+        let moments = |side: &ArcPair| arcs[side.before].body.moments_kg_m2().mean();
+        let whole = match arcs[sides[0].after].body.support() {
+            Some(Support::Stuck(part)) => part.moments_kg_m2.mean(),
+            _ => sides.iter().map(moments).sum(),
+        };
+        Some(ArcSticking {
+            event: pair.event,
+            sides,
+            per_kg_m2: whole,
+            acting: gravity(gravity_parameters).collect(),
+        })
+    });
+    pairs.collect()
 }
 
 /// The ends of what a hand does.
@@ -108,7 +157,7 @@ pub(super) fn supports(scene: &Scene, arcs: &[Arc]) -> Vec<ArcSupport> {
                 place_m: at.place_m,
                 axis: at.axis,
             },
-            SupportedBy::Hand(_) => return None,
+            SupportedBy::Hand(_) | SupportedBy::Body(_) => return None,
         };
         Some(ArcSupport { arc, is_caught, at })
     });

@@ -199,8 +199,9 @@ impl Problem {
         let (start_s, end_s) = (time_s(arc.start), time_s(arc.end));
         let kink_s = kink_s(length_s(arc, event_times_s));
         let is_kink = |event: Option<usize>| {
-            let mut collisions = self.collisions.iter();
-            event.is_some() && collisions.any(|of| Some(of.event) == event)
+            let collisions = self.collisions.iter().map(|of| of.event);
+            let mut kinks = collisions.chain(self.stickings.iter().map(|of| of.event));
+            event.is_some_and(|event| kinks.any(|of| of == event))
         };
         let pressed_s = self
             .collisions
@@ -247,7 +248,7 @@ impl Problem {
         }
     }
 
-    /// Impacts at the ends of some flights.
+    /// Impacts at the ends of some flights, and where bodies stick together.
     pub(in crate::estimate) fn kinks(
         &self,
         is_own: impl Fn(usize) -> bool,
@@ -260,9 +261,13 @@ impl Problem {
             let state = flow::advance(body, &gravity_m_s2, &at.arcs[arc], time_s - epochs_s[arc]);
             [state.velocity_m_s, state.angular_velocity_rad_s]
         };
-        let sides = self.collisions.iter().flat_map(|of| {
-            let sides = of.sides.iter();
-            sides.map(move |pair| (at.event_times_s[of.event], pair))
+        let hit = self.collisions.iter();
+        let hit = hit.map(|of| (of.event, of.sides.as_slice()));
+        let stuck = self.stickings.iter();
+        let stuck = stuck.map(|of| (of.event, of.sides.as_slice()));
+        let sides = hit.chain(stuck).flat_map(|(event, sides)| {
+            let sides = sides.iter();
+            sides.map(move |pair| (at.event_times_s[event], pair))
         });
         let own = sides.filter(|(_, pair)| is_own(pair.before) || is_own(pair.after));
         let kinks = own.map(|(time_s, pair)| {

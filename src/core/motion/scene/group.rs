@@ -1,7 +1,7 @@
 //! Groups of mechanisms whose motions say nothing of each other's: each is estimated by itself, so that it costs what it
 //! costs alone, and comes out as it does alone.
 //!
-//! Two mechanisms are tied where they hit each other, a goal is about both, one event has goals of both, or a free quantity
+//! Two mechanisms are tied where they hit each other or begin to stick together, a goal is about both, one event has goals of both, or a free quantity
 //! acts on both; all are where the tempo is unknown, since they share it. What is held moves as it was tracked and ties
 //! nothing, but where joined bodies hang from it and something hits it. Bodies by themselves that nothing ties to joined
 //! ones are one group together.
@@ -91,7 +91,11 @@ impl Scene {
             EventKind::Collision(of) | EventKind::Collisions { each: of, .. } => {
                 of.links().collect()
             }
-            EventKind::Change(link) | EventKind::Waypoint(link) => vec![*link],
+            EventKind::Change(link) => match self.stuck_at(event) {
+                Some(pair) => pair.links.to_vec(),
+                None => vec![*link],
+            },
+            EventKind::Waypoint(link) => vec![*link],
             EventKind::Start | EventKind::End => Vec::new(),
         }
     }

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::math::Pose;
 use crate::motion::index::{ContactLawIndex, LinkIndex, TrackIndex};
 use crate::physics::Sustained;
-use crate::physics::support::Pivot;
+use crate::physics::support::{Pivot, StuckPart};
 
 /// A body is carried between two events.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +29,17 @@ pub enum SupportedBy {
     Pivot(AtPivot),
     /// A hand: it goes where that was tracked.
     Hand(InHand),
+    /// Another body, with which it is one from then on.
+    Body(StuckTo),
+}
+
+/// How a body is stuck to another one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StuckTo {
+    /// The other one.
+    pub other: LinkIndex,
+    /// What part of both it is, once samples have told where they stick.
+    pub part: Option<StuckPart>,
 }
 
 /// How a body is tracked in a hand.
@@ -69,7 +80,7 @@ impl SupportPhase {
     pub fn on_surface(&self) -> Option<&OnSurface> {
         match &self.by {
             SupportedBy::Surface(on) => Some(on),
-            SupportedBy::Pivot(_) | SupportedBy::Hand(_) => None,
+            SupportedBy::Pivot(_) | SupportedBy::Hand(_) | SupportedBy::Body(_) => None,
         }
     }
 
@@ -77,7 +88,15 @@ impl SupportPhase {
     pub fn in_hand(&self) -> Option<&InHand> {
         match &self.by {
             SupportedBy::Hand(hand) => Some(hand),
-            SupportedBy::Surface(_) | SupportedBy::Pivot(_) => None,
+            SupportedBy::Surface(_) | SupportedBy::Pivot(_) | SupportedBy::Body(_) => None,
+        }
+    }
+
+    /// To what it is stuck, if it is.
+    pub fn stuck_to(&self) -> Option<&StuckTo> {
+        match &self.by {
+            SupportedBy::Body(stuck) => Some(stuck),
+            SupportedBy::Surface(_) | SupportedBy::Pivot(_) | SupportedBy::Hand(_) => None,
         }
     }
 
@@ -97,6 +116,7 @@ impl SupportPhase {
             },
             SupportedBy::Pivot(_) => "is tied to the world",
             SupportedBy::Hand(_) => "is in the hand",
+            SupportedBy::Body(_) => "is stuck to another body",
         }
     }
 }

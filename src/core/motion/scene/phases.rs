@@ -80,7 +80,7 @@ impl Scene {
         phase.in_hand().filter(is_own)
     }
 
-    /// What supports the body in a phase; `None` in a hand.
+    /// What supports the body in a phase; `None` in a hand, and of what is stuck where nothing has told how.
     ///
     /// # Panics
     /// Of a surface that is no plane, and of a rim on one: `config` refuses both.
@@ -89,6 +89,7 @@ impl Scene {
             SupportedBy::Surface(on) => on,
             SupportedBy::Pivot(at) => return Some(Support::Pivot(at.pivot)),
             SupportedBy::Hand(_) => return None,
+            SupportedBy::Body(stuck) => return stuck.part.map(Support::Stuck),
         };
         let Feature::Face { normal, .. } = self.surfaces[on.surface].geometry else {
             panic!("a phase on a plane");
@@ -118,13 +119,14 @@ impl Scene {
         }))
     }
 
-    /// The phase in which a body is tied to the world, or held still, up to an event at least: nothing of what follows there
-    /// is known.
+    /// The phase in which a body is tied to the world, held still or stuck to another, up to an event at least: what follows there
+    /// is not known, or not computed.
     pub fn tied_at(&self, event: usize) -> Option<&SupportPhase> {
         let mut phases = self.phases.iter();
         phases.find(|phase| {
             let [from, until] = phase.events;
-            phase.on_surface().is_none() && from < event && event <= until
+            let is_begun = from < event || from == event && phase.stuck_to().is_some();
+            phase.on_surface().is_none() && is_begun && event <= until
         })
     }
 

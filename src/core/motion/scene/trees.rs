@@ -27,7 +27,7 @@ impl Scene {
         tree.joints.iter().find(|joint| joint.child == child)
     }
 
-    /// Whether a joint ties one link to the other, or a held one grips the other for a while.
+    /// Whether a joint ties one link to the other, a held one grips the other for a while, or they stick together.
     pub fn are_joined(&self, one: LinkIndex, other: LinkIndex) -> bool {
         let grips = |hand: LinkIndex, body: LinkIndex| {
             let mut phases = self.phases.iter().filter(|phase| phase.link == body);
@@ -40,7 +40,12 @@ impl Scene {
             let joint = self.joint_of(child);
             joint.is_some_and(|joint| joint.parent == Some(parent))
         };
-        hangs(one, other) || hangs(other, one) || grips(one, other) || grips(other, one)
+        let are_stuck = self.stuck_pairs().any(|pair| {
+            let has = |link: LinkIndex| pair.links.contains(&link);
+            has(one) && has(other)
+        });
+        let is_gripped = grips(one, other) || grips(other, one);
+        hangs(one, other) || hangs(other, one) || is_gripped || are_stuck
     }
 
     /// The held body from which a tree hangs, if it does.

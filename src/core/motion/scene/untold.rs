@@ -232,6 +232,9 @@ impl Scene {
                 phases.any(|phase| phase.link == link && phase.in_hand().is_none())
             }
             Quantity::Centre { link, .. } => phases.any(|phase| phase.link == link),
+            Quantity::Force { link, .. } => {
+                phases.any(|phase| phase.link == link && phase.stuck_to().is_some())
+            }
             Quantity::SurfaceHeight { surface } | Quantity::SurfaceTilt { surface, .. } => {
                 phases.any(|phase| phase.on_surface().is_some_and(|on| on.surface == surface))
             }

@@ -257,13 +257,21 @@ impl Scene {
         let collision = kind.collision();
         let is_of_it = |link: LinkIndex| self.mechanism_of(link) == mechanism;
         kind.waypoint().is_none()
-            && kind.change().is_none_or(is_of_it)
+            && (kind.change().is_none_or(is_of_it) || self.sticks(event, mechanism))
             && collision.is_none_or(|collision| self.takes_part(mechanism, collision))
     }
 
     /// The tracks that see what takes part in a collision and flies, those of what hits first.
     pub fn tracks_in(&self, collision: &Collision) -> impl Iterator<Item = TrackIndex> + use<'_> {
-        let mechanisms = collision.links().map(|link| self.mechanism_of(link));
+        self.tracks_of_links(collision.links())
+    }
+
+    /// The tracks that see some links and what moves with them, where that flies.
+    pub(in crate::motion) fn tracks_of_links(
+        &self,
+        links: impl Iterator<Item = LinkIndex>,
+    ) -> impl Iterator<Item = TrackIndex> {
+        let mechanisms = links.map(|link| self.mechanism_of(link));
         mechanisms.flat_map(move |mechanism| {
             let is_its = move |track: &TrackIndex| {
                 self.mechanism_seen_by(*track) == mechanism && self.moves(mechanism)

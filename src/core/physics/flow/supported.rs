@@ -1,5 +1,5 @@
-//! The motion of a body that something carries: a plane on which it slides, rolls or lies still (`slipping`), or a
-//! pivot about which it turns (`pivoting`).
+//! The motion of a body that something carries: a plane on which it slides, rolls or lies still (`slipping`), a
+//! pivot about which it turns (`pivoting`), or another body with which it flies as one (`sticking`).
 //!
 //! What the support takes from the state is carried along: constraints keep it at zero. Steps are of one fixed length,
 //! so that the result is as smooth as its formulas. Derivatives are those of the formulas.
@@ -7,6 +7,7 @@
 mod pivoting;
 mod seen;
 mod slipping;
+mod sticking;
 #[cfg(test)]
 mod tests;
 
@@ -17,38 +18,60 @@ pub use self::seen::Carried;
 use self::seen::{Seen, VARIABLES};
 pub use self::slipping::LEAST_TURNING_M_S;
 use self::slipping::{SlipNode, Slipping};
+use self::sticking::Sticking;
 use crate::physics::body::Body;
 use crate::physics::state::State;
-use crate::physics::support::Support;
+use crate::physics::support::{Pivot, PlaneSupport, Support};
 
 /// Longest duration \[s\]; longer ones would take too many steps to store.
 const DURATION_MAX_S: f64 = 1e3;
 
 /// The motion on a support from one state, for many durations of either sign.
 #[derive(Clone, Debug)]
-pub struct Supported {
-    values: CarriedFlow<0>,
-    changes: CarriedFlow<VARIABLES>,
+pub struct Supported(SupportedBody);
+
+#[derive(Clone, Debug)]
+enum SupportedBody {
+    Carried {
+        values: CarriedFlow<0>,
+        changes: CarriedFlow<VARIABLES>,
+    },
+    Stuck(Box<Sticking>),
 }
 
 impl Supported {
     /// From a state; `None` of a body in flight.
     pub fn new(body: &Body, gravity_m_s2: &Vector3<f64>, state: &State) -> Option<Self> {
         let support = body.support()?;
-        Some(Self {
-            values: CarriedFlow::new(body, &support, gravity_m_s2, state),
-            changes: CarriedFlow::new(body, &support, gravity_m_s2, state),
-        })
+        Some(Self(match &support {
+            Support::Plane(plane) => SupportedBody::Carried {
+                values: CarriedFlow::slipping(body, plane, gravity_m_s2, state),
+                changes: CarriedFlow::slipping(body, plane, gravity_m_s2, state),
+            },
+            Support::Pivot(pivot) => SupportedBody::Carried {
+                values: CarriedFlow::pivoting(body, pivot, gravity_m_s2, state),
+                changes: CarriedFlow::pivoting(body, pivot, gravity_m_s2, state),
+            },
+            Support::Stuck(part) => {
+                SupportedBody::Stuck(Box::new(Sticking::new(part, gravity_m_s2, state)))
+            }
+        }))
     }
 
     /// The state after a duration \[s\]; not a number beyond 1000 s.
     pub fn at(&mut self, duration_s: f64) -> State {
-        self.values.seen(duration_s).state()
+        match &mut self.0 {
+            SupportedBody::Carried { values, .. } => values.seen(duration_s).state(),
+            SupportedBody::Stuck(of) => of.at(duration_s),
+        }
     }
 
     /// The same with its derivatives.
     pub fn carried(&mut self, duration_s: f64) -> Carried {
-        self.changes.seen(duration_s).carried()
+        match &mut self.0 {
+            SupportedBody::Carried { changes, .. } => changes.seen(duration_s).carried(),
+            SupportedBody::Stuck(of) => of.carried(duration_s),
+        }
     }
 }
 
@@ -60,17 +83,19 @@ enum CarriedFlow<const N: usize> {
 }
 
 impl<const N: usize> CarriedFlow<N> {
-    fn new(body: &Body, support: &Support, gravity_m_s2: &Vector3<f64>, state: &State) -> Self {
-        match support {
-            Support::Plane(plane) => {
-                let of = Slipping::new(body, plane, gravity_m_s2, state);
-                Self::Slipping(Box::new(of), Stepped::default())
-            }
-            Support::Pivot(pivot) => {
-                let of = Pivoting::new(body, pivot, gravity_m_s2, state);
-                Self::Pivoting(Box::new(of), Stepped::default())
-            }
-        }
+    fn slipping(
+        body: &Body,
+        plane: &PlaneSupport,
+        gravity_m_s2: &Vector3<f64>,
+        state: &State,
+    ) -> Self {
+        let of = Slipping::new(body, plane, gravity_m_s2, state);
+        Self::Slipping(Box::new(of), Stepped::default())
+    }
+
+    fn pivoting(body: &Body, pivot: &Pivot, gravity_m_s2: &Vector3<f64>, state: &State) -> Self {
+        let of = Pivoting::new(body, pivot, gravity_m_s2, state);
+        Self::Pivoting(Box::new(of), Stepped::default())
     }
 
     fn seen(&mut self, duration_s: f64) -> Seen<N> {

@@ -70,6 +70,7 @@ pub(super) fn remedied(
             }
             snapped(&mut scene)?;
         }
+        Remedy::StuckTogether { event, .. } => scene = scene.with_stuck(*event)?,
         Remedy::FreeLabels { goal } => scene.rest_goals[*goal].labels_are_free = true,
         Remedy::Surface {
             surface, point_m, ..

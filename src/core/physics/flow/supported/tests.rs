@@ -155,6 +155,7 @@ fn is_still(support: &Support) -> bool {
     match support {
         Support::Plane(plane) => plane.sustained == Sustained::Rest,
         Support::Pivot(_) => true,
+        Support::Stuck(_) => false,
     }
 }
 
