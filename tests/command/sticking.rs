@@ -245,8 +245,11 @@ fn hit(said: &Value) -> Option<(f64, f64)> {
     Some((event["time_s"].as_f64()?, event["time_sd_s"].as_f64()?))
 }
 
+/// Centre and orientation of a body.
+type PoseOf = (Vector3<f64>, UnitQuaternion<f64>);
+
 /// The exported poses of both at the same times after an event.
-fn exported(folder: &Path, from_s: f64) -> Vec<(f64, [(Vector3<f64>, UnitQuaternion<f64>); 2])> {
+fn exported(folder: &Path, from_s: f64) -> Vec<(f64, [PoseOf; 2])> {
     let ran = enact(
         folder,
         &["export", "take.estimate.mcap", "--to", "csv", "-o", "x.csv"],
@@ -283,7 +286,7 @@ fn exported(folder: &Path, from_s: f64) -> Vec<(f64, [(Vector3<f64>, UnitQuatern
 fn assert_one(folder: &Path, meeting: &Meeting, hit_s: f64) {
     let poses = exported(folder, hit_s + 1e-6);
     assert!(poses.len() >= 6, "{}", poses.len());
-    let between = |of: &[(Vector3<f64>, UnitQuaternion<f64>); 2]| {
+    let between = |of: &[PoseOf; 2]| {
         let back = of[0].1.inverse();
         (back * (of[1].0 - of[0].0), back * of[1].1)
     };

@@ -39,8 +39,8 @@ impl BorneForce {
 }
 
 impl ArcEstimate {
-    /// What its support does to the body at physical times \[s\], `m (v̇ − p)` of the pull `p`; `None` in flight. The scene
-    /// is as estimated.
+    /// What its support does to the body at physical times \[s\], `m (v̇ − p)` of the pull `p`; `None` in flight, and of what
+    /// is stuck to another body. The scene is as estimated.
     pub fn borne(
         &self,
         scene: &Scene,
@@ -51,6 +51,8 @@ impl ArcEstimate {
         let normal = match self.support? {
             Support::Plane(plane) => Some(plane.normal),
             Support::Pivot(_) => None,
+            // What two bodies do to each other is none of the world's.
+            Support::Stuck(_) => return None,
         };
         let mut supported = Supported::new(&body, gravity_m_s2, &self.state)?;
         let pull = body.pull_m_s2(gravity_m_s2);

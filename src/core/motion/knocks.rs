@@ -93,7 +93,7 @@ impl Estimate {
         let pivot = match arc.support? {
             // Where what holds it still touches it is not known.
             Support::Pivot(pivot) if pivot.axes != PivotAxes::None => pivot,
-            Support::Pivot(_) | Support::Plane(_) => return None,
+            Support::Pivot(_) | Support::Plane(_) | Support::Stuck(_) => return None,
         };
         let before = self.arriving(scene, link, time_s)?;
         let after = scene.flown(arc, &self.gravity_m_s2, time_s);

@@ -146,9 +146,7 @@ impl<'a> Acted<'a> {
     fn is_left_behind(&self, segment: &Segment, view: &View) -> bool {
         let track = &self.sketch.tracks[view.track];
         let slack_s = BEHIND_INTERVALS * median_interval_s(track);
-        let collision = |event: Option<usize>| {
-            event.filter(|event| self.scene.jolts(*event))
-        };
+        let collision = |event: Option<usize>| event.filter(|event| self.scene.jolts(*event));
         let acted_s = |index: usize| track.samples.get(index).map(|sample| sample.acted_s);
         let before = view.samples.start.checked_sub(1).and_then(acted_s);
         let after = acted_s(view.samples.end);

@@ -62,8 +62,11 @@ fn what_is_not_computed_is_refused() {
         ),
         (TWO.replace("\"fixed\"", "\"ball\""), "kind = \"fixed\""),
         (
-            TWO.to_owned()
-                + "[[phase]]\nname = \"held\"\nmotion = \"held\"\nbody = \"block\"\nfrom = \"hit\"\nuntil = \"end\"\n",
+            TWO.replacen(
+                "[[event]]",
+                "[[event]]\nname = \"go\"\nkind = \"start\"\n[[event]]",
+                1,
+            ) + "[[phase]]\nname = \"held\"\nmotion = \"held\"\nbody = \"arrow\"\nfrom = \"go\"\nuntil = \"hit\"\n",
             "expected no other phase",
         ),
         (
