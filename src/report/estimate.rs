@@ -55,7 +55,7 @@ pub struct EstimateReport {
     /// Likely mistakes in what is said of the performance, that which explains most first.
     pub diagnoses: Vec<DiagnosisLine>,
     /// What is seen besides flights and not said by the scene, where something speaks against the motion.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub seen_phases: Vec<SeenPhaseLine>,
     /// Sum of squared weighted residuals, priors included.
     #[serde(default = "unknown")]
