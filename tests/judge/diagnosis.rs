@@ -346,8 +346,10 @@ fn the_documents_list_every_cause() {
     let causes = causes.as_array().expect("causes");
     let causes = causes.iter().filter_map(Value::as_str).map(str::to_owned);
     assert_eq!(listed, causes.collect());
-    // Labels are offered where a die comes to rest: `tests/estimate/rest.rs`.
+    // Labels are offered where a die comes to rest: `tests/estimate/rest.rs`; two bodies stick together in
+    // `tests/command/sticking.rs`.
     let tested = self::rows().into_iter().map(|row| row.cause);
-    let tested: BTreeSet<String> = tested.chain(["goal_labels"]).map(str::to_owned).collect();
+    let elsewhere = ["goal_labels", "stuck_together"];
+    let tested: BTreeSet<String> = tested.chain(elsewhere).map(str::to_owned).collect();
     assert_eq!(tested, listed);
 }
