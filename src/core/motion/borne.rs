@@ -13,7 +13,7 @@ use crate::physics::state::part;
 pub struct BorneForce {
     /// [N, world].
     pub force_n: Vector3<f64>,
-    /// The normal of the surface, away from it [world]; `None` at a pivot.
+    /// The normal of the surface, away from it \[world\]; `None` at a pivot.
     pub normal: Option<Vector3<f64>>,
 }
 

@@ -10,7 +10,7 @@ use super::solution::ImpactSolution;
 pub struct Knock {
     /// Where A is touched [m, world].
     pub point_m: Vector3<f64>,
-    /// The tilted unit normal, towards A [world].
+    /// The tilted unit normal, towards A \[world\].
     pub normal: Vector3<f64>,
     /// Velocity of A there against B's, before and after [m/s, world].
     pub velocities_m_s: [Vector3<f64>; 2],
