@@ -24,6 +24,7 @@ mod axial;
 mod fall;
 mod flight;
 mod flown;
+mod free;
 mod glide;
 #[cfg(test)]
 #[path = "../../../../tools/src/reference.rs"]
@@ -40,7 +41,8 @@ pub use asymmetric::{ANGLE_MAX_RAD, Steps};
 pub(super) use axial::Precession;
 pub use fall::{Fall, Fallen, FallenBySpinning};
 pub use flight::{advance, position, rate, velocity};
-pub use flown::{Flown, FreeFlown, WantedDerivatives};
+pub use flown::Flown;
+pub use free::{FreeFlown, WantedDerivatives};
 pub use supported::{Carried, LEAST_TURNING_M_S, Supported};
 pub use turn::{Spin, Turns, turn};
 pub use turned::Turn;

@@ -6,14 +6,14 @@
 //!
 //! with the states `W` of the whole and `B` of the body ([`StuckPart`]).
 
-use nalgebra::{Matrix3, RowSVector, Vector3};
+use nalgebra::{RowSVector, Vector3};
 
 use super::seen::Carried;
 use crate::physics::body::Body;
 use crate::physics::flow::asymmetric::{self, Steps};
-use crate::physics::flow::fall::{Fall, Fallen};
+use crate::physics::flow::fall::Fall;
+use crate::physics::flow::free::FreeFlown;
 use crate::physics::flow::turn::Turns;
-use crate::physics::flow::turned::Turn;
 use crate::physics::state::{ByStates, State, StateTangent, part};
 use crate::physics::support::StuckPart;
 
@@ -67,7 +67,7 @@ impl Sticking {
     }
 
     /// The flight of the whole.
-    fn flown(&mut self, duration_s: f64) -> FlownWhole {
+    fn flown(&mut self, duration_s: f64) -> FreeFlown {
         let State {
             orientation,
             angular_velocity_rad_s,
@@ -77,9 +77,10 @@ impl Sticking {
         let mut turns = Turns::with_steps(&self.whole, orientation, angular_velocity_rad_s, steps);
         let turn = turns.after(duration_s);
         self.steps = turns.into_steps();
-        FlownWhole {
+        FreeFlown {
             fallen: Fall::new(&self.whole, &self.gravity_m_s2, &self.start).fallen(duration_s),
             turn,
+            by_moments: None,
         }
     }
 
@@ -99,47 +100,5 @@ impl Sticking {
         put(part::VELOCITY, &self.whole.pull_m_s2(&self.gravity_m_s2));
         put(part::ANGULAR_VELOCITY, &euler);
         rate
-    }
-}
-
-/// The whole after a flight, with derivatives by its start.
-struct FlownWhole {
-    fallen: Fallen,
-    turn: Turn,
-}
-
-impl FlownWhole {
-    fn state(&self) -> State {
-        State {
-            position_m: self.fallen.position_m,
-            orientation: self.turn.orientation,
-            velocity_m_s: self.fallen.velocity_m_s,
-            angular_velocity_rad_s: self.turn.angular_velocity_rad_s,
-        }
-    }
-
-    fn by_state(&self) -> ByStates {
-        let (fallen, turn) = (&self.fallen, &self.turn);
-        let mut by = ByStates::identity();
-        let mut set = |row: usize, column: usize, block: &Matrix3<f64>| {
-            by.fixed_view_mut::<3, 3>(row, column).copy_from(block);
-        };
-        let (r, w) = (part::ORIENTATION, part::ANGULAR_VELOCITY);
-        set(part::POSITION, part::VELOCITY, &fallen.position_by_velocity);
-        set(part::VELOCITY, part::VELOCITY, &fallen.velocity_by_velocity);
-        set(r, r, &turn.orientation_by_orientation);
-        set(r, w, &turn.orientation_by_angular_velocity);
-        set(w, w, &turn.angular_velocity_by_angular_velocity);
-        by
-    }
-
-    fn by_pull(&self, axis: usize) -> StateTangent {
-        let fallen = &self.fallen;
-        let mut by = StateTangent::zeros();
-        by.fixed_rows_mut::<3>(part::POSITION)
-            .copy_from(&fallen.position_by_pull.column(axis));
-        by.fixed_rows_mut::<3>(part::VELOCITY)
-            .copy_from(&fallen.velocity_by_pull.column(axis));
-        by
     }
 }
