@@ -1,7 +1,7 @@
 //! The motion of a body that something carries: a plane on which it slides, rolls or lies still (`slipping`), a
 //! pivot about which it turns (`pivoting`), or another body with which it flies as one (`sticking`).
 //!
-//! What the support takes from the state is carried along: constraints keep it at zero. Steps are of one fixed length,
+//! What the support takes from the state is carried along: constraints keep it at zero. Steps of a motion are of one length,
 //! so that the result is as smooth as its formulas. Derivatives are those of the formulas.
 
 mod pivoting;
@@ -23,8 +23,8 @@ use crate::physics::body::Body;
 use crate::physics::state::State;
 use crate::physics::support::{Pivot, PlaneSupport, Support};
 
-/// Longest duration \[s\]; longer ones would take too many steps to store.
-const DURATION_MAX_S: f64 = 1e3;
+/// Greatest number of steps that are stored: of slow motions some 500 to 1000 s.
+const STEPS_MOST: f64 = 32e3;
 
 /// The motion on a support from one state, for many durations of either sign.
 #[derive(Clone, Debug)]
@@ -58,7 +58,7 @@ impl Supported {
         }))
     }
 
-    /// The state after a duration \[s\]; not a number beyond 1000 s.
+    /// The state after a duration \[s\]; not a number beyond 32,000 steps.
     pub fn at(&mut self, duration_s: f64) -> State {
         match &mut self.0 {
             SupportedBody::Carried { values, .. } => values.seen(duration_s).state(),
@@ -99,18 +99,20 @@ impl<const N: usize> CarriedFlow<N> {
     }
 
     fn seen(&mut self, duration_s: f64) -> Seen<N> {
-        let is_short = duration_s.abs() <= DURATION_MAX_S;
+        let step_s = match self {
+            Self::Slipping(..) => slipping::STEP_S,
+            Self::Pivoting(of, _) => of.step_s,
+        };
+        let is_short = duration_s.abs() <= STEPS_MOST * step_s;
         let duration_s = if is_short { duration_s } else { f64::NAN };
         match self {
             Self::Slipping(of, nodes) => {
                 let after = |node: &SlipNode<N>, step_s: f64| of.after(node, step_s);
-                let step_s = slipping::STEP_S;
                 let (node, left_s) = nodes.on_the_way(duration_s, step_s, || of.start, after);
                 of.told(of.after(node, left_s), duration_s)
             }
             Self::Pivoting(of, nodes) => {
                 let after = |node: &TurnSeries<N>, step_s: f64| of.after(node, step_s);
-                let step_s = pivoting::STEP_S;
                 let (node, left_s) = nodes.on_the_way(duration_s, step_s, || of.start(), after);
                 of.told(node, left_s)
             }

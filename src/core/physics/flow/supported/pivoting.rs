@@ -20,8 +20,12 @@ use crate::physics::body::Body;
 use crate::physics::state::{State, part};
 use crate::physics::support::Pivot;
 
-/// Length of a step \[s\]: at 30 rad/s the rotation is 1e-9 rad off after a second.
-pub(super) const STEP_S: f64 = 1.0 / 32.0;
+/// Length of a step \[s\] up to this spin [rad/s], at which the rotation is 1e-9 rad off after a second; what turns faster has
+/// steps of half that length, or of a quarter, and so on.
+const STEP_S: f64 = 1.0 / 32.0;
+const SLOW_RAD_S: f64 = 30.0;
+/// Greatest number of halvings.
+const HALVINGS_MOST: f64 = 12.0;
 
 /// Order of the series.
 const ORDER: usize = 12;
@@ -46,6 +50,8 @@ pub(super) struct Pivoting<const N: usize> {
     carried_rad_s: Jet3<N>,
     /// `γ` and `ω` at the start.
     start: [Jet3<N>; 4],
+    /// Length of a step \[s\].
+    pub(super) step_s: f64,
 }
 
 /// The series of the rotation and of the angular velocity about a moment.
@@ -75,12 +81,14 @@ impl<const N: usize> Pivoting<N> {
             let of = Jet3::constant(to_world.row(axis).transpose());
             of - turn.cross(of)
         };
+        let pull_m_s2 = body.pull_m_s2(gravity_m_s2);
         Self {
+            step_s: step_s(body, pivot, &pull_m_s2, state),
             lever_m,
             inertia_m2,
             mobility_per_m2: pivot.axes.mobility(&inertia_m2),
             damping_m2_s: pivot.damping_n_m_s / body.mass_kg(),
-            pull_m_s2: Jet3::variable(body.pull_m_s2(gravity_m_s2), PULL),
+            pull_m_s2: Jet3::variable(pull_m_s2, PULL),
             position_m: Jet3::variable(state.position_m, part::POSITION),
             arm_m: placed(lever_m),
             carried_m_s: velocity_m_s - placed(omega.cross(lever_m)),
@@ -165,6 +173,17 @@ impl<const N: usize> Pivoting<N> {
             slip_rate_m_s2: 0.0,
         }
     }
+}
+
+/// The length of steps by how fast it may turn: as at the start, and by what falling from the highest to the lowest place adds,
+/// `2 √(p r/(r² + k²))` with the least gyration radius `k` \[s\].
+fn step_s(body: &Body, pivot: &Pivot, pull_m_s2: &Vector3<f64>, state: &State) -> f64 {
+    let lever_m = pivot.at_m.norm();
+    let about_m2 = lever_m * lever_m + body.gyration_m2().min();
+    let fallen_rad_s = 2.0 * (pull_m_s2.norm() * lever_m / about_m2).sqrt();
+    let fastest_rad_s = state.angular_velocity_rad_s.norm() + fallen_rad_s;
+    let halvings = (fastest_rad_s / SLOW_RAD_S).log2().ceil();
+    STEP_S * (-halvings.clamp(0.0, HALVINGS_MOST)).exp2()
 }
 
 impl<const N: usize> TurnSeries<N> {

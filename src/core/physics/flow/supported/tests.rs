@@ -259,3 +259,49 @@ fn a_pendulum_keeps_its_energy_and_its_place() {
     }
     assert!(most_rad_s > 5.0);
 }
+
+#[test]
+fn a_top_keeps_its_energy_and_its_momentum_about_the_vertical_however_fast() {
+    let at_m = Vector3::new(0.0, 0.0, -0.03);
+    let pivot = Pivot {
+        at_m,
+        axes: PivotAxes::All,
+        damping_n_m_s: 0.0,
+    };
+    let moments = Vector3::new(1e-5, 1.1e-5, 1.6e-5);
+    let mass_kg = 0.05;
+    let body = Body::new(mass_kg, moments).unwrap();
+    let body = body.with_support(Some(Support::Pivot(pivot)));
+    let gravity = Vector3::new(0.0, 0.0, -9.81);
+    let about_m2 = |axis: usize| if axis < 2 { 0.03 * 0.03 } else { 0.0 };
+    let inertia = Vector3::from_fn(|axis, _| moments[axis] + mass_kg * about_m2(axis));
+    for spin_rad_s in [20.0, 90.0, 300.0] {
+        let orientation = UnitQuaternion::from_euler_angles(0.3, -0.2, 0.7);
+        let omega = Vector3::new(1.0, -2.0, spin_rad_s);
+        let start = State {
+            position_m: -(orientation * at_m),
+            orientation,
+            velocity_m_s: -(orientation * omega.cross(&at_m)),
+            angular_velocity_rad_s: omega,
+        };
+        let momentum =
+            |of: &State| of.orientation * inertia.component_mul(&of.angular_velocity_rad_s);
+        let energy = |of: &State| {
+            let omega = of.angular_velocity_rad_s;
+            let turning = 0.5 * omega.dot(&inertia.component_mul(&omega));
+            turning + mass_kg * 9.81 * of.position_m.z
+        };
+        let mut supported = Supported::new(&body, &gravity, &start).unwrap();
+        for step in 1..20 {
+            let now = supported.at(0.05 * f64::from(step));
+            let lost = (energy(&now) / energy(&start) - 1.0).abs();
+            let turned = (momentum(&now).z / momentum(&start).z - 1.0).abs();
+            assert!(
+                lost < 1e-8 && turned < 1e-8,
+                "{spin_rad_s}: {lost:e} {turned:e}"
+            );
+            let place_m = now.position_m + now.orientation * at_m;
+            assert!(place_m.norm() < 1e-12);
+        }
+    }
+}
