@@ -301,7 +301,7 @@ fn a_top_keeps_its_energy_and_its_momentum_about_the_vertical_however_fast() {
                 "{spin_rad_s}: {lost:e} {turned:e}"
             );
             let place_m = now.position_m + now.orientation * at_m;
-            assert!(place_m.norm() < 1e-12);
+            assert!(place_m.norm() < 1e-9, "{spin_rad_s}: {place_m}");
         }
     }
 }
