@@ -348,13 +348,9 @@ fn pressed<'a>(
     link: LinkIndex,
     event: &EventEstimate,
 ) -> Option<FramedPiece<'a>> {
-    if event.contact_s <= 0.0 {
-        return None;
-    }
     let collision = scene.events[event.event].kind.collision()?;
     collision.links().find(|other| *other == link)?;
-    let speed_m_s = scene.closing_m_s(estimate, event)?;
-    let pressed = scene.pressed(estimate, event, link, speed_m_s)?;
+    let pressed = scene.pressed(estimate, event, link)?;
     let mechanism = scene.mechanism_of(link);
     let mut arcs = estimate.arcs.iter();
     let after = arcs.find(|of| of.mechanism == mechanism && of.start_s == event.left_s())?;

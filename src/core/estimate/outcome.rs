@@ -112,12 +112,7 @@ fn events(
         .map(|event| EventEstimate {
             event,
             time_s: timing::event_time_s(problem, point, event),
-            contact_s: {
-                let mut collisions = problem.collisions.iter();
-                let of = collisions.find(|of| of.event == event);
-                of.and_then(|of| of.contact_s(&point.parameters))
-                    .unwrap_or(0.0)
-            },
+            contact_s: problem.contact_s(Some(event), &point.parameters),
             sd_s: None,
             is_fixed: !scene.time_is_free(event) && is_at_mark(problem, event),
             at_bound: time_bound(problem, point, event),
@@ -275,9 +270,7 @@ fn arcs(
         .enumerate()
         .map(|(index, arc)| {
             let start_s = match arc.start {
-                Some(event) => {
-                    events[event].time_s + problem.pressed_before_s(index, &point.parameters)
-                }
+                Some(event) => events[event].left_s(),
                 None => times(index).fold(f64::INFINITY, f64::min),
             };
             ArcEstimate {

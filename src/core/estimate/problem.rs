@@ -324,11 +324,7 @@ impl ArcCollision {
         let left = [Some(a), b].into_iter().flatten().zip(&impact.after);
         let left = left.map(|(side, after)| match pressed(side) {
             Some(pressed) => pressed.left(side.state, after).state,
-            None => State {
-                velocity_m_s: after.velocity_m_s,
-                angular_velocity_rad_s: after.angular_velocity_rad_s,
-                ..*side.state
-            },
+            None => after.in_pose_of(side.state),
         });
         let left = left.collect();
         Some((impact, left))
@@ -751,13 +747,11 @@ impl Problem {
         gravity
     }
 
-    /// How long the contact lasts with which an arc begins \[s\]: so much later than its event it begins.
-    pub fn pressed_before_s(&self, arc: usize, parameters: &[f64]) -> f64 {
+    /// How long the contact of a collision lasts \[s\]: the arcs after it begin so much later; zero at other events.
+    pub fn contact_s(&self, event: Option<usize>, parameters: &[f64]) -> f64 {
         let mut collisions = self.collisions.iter();
-        let begins = |of: &&ArcCollision| of.sides.iter().any(|side| side.after == arc);
-        let lasting = collisions.find(begins);
-        let lasting_s = lasting.and_then(|of| of.contact_s(parameters));
-        lasting_s.unwrap_or(0.0)
+        let of = collisions.find(|of| Some(of.event) == event);
+        of.and_then(|of| of.contact_s(parameters)).unwrap_or(0.0)
     }
 
     /// Components of gravity that are free.

@@ -61,8 +61,7 @@ impl Estimate {
         let b = other.as_ref().map(|(link, state)| side(*link, state));
         let (a, law) = (side(collision.link, &state), scene.impact_law(collision));
         // Of a contact that lasts, all that it does meanwhile.
-        let closing_m_s = scene.closing_m_s(self, event)?;
-        let pressed = scene.pressed(self, event, collision.link, closing_m_s);
+        let pressed = scene.pressed(self, event, collision.link);
         let law = pressed.map_or(law, |pressed| pressed.law(&law));
         contacts.knocks(&a, b.as_ref(), &law).ok()
     }

@@ -58,24 +58,13 @@ pub(super) fn balance(world: &World) -> Balance {
                 states: sides.map(|(arc, time_s)| link.state(arc, time_s)),
             })
         };
-        let World {
-            scene, estimate, ..
-        } = world;
-        let closing_m_s = scene.closing_m_s(estimate, event);
         let links = [law.link].into_iter().chain(law.other);
         let mut sides: Option<Vec<BeforeAfter>> = links.clone().map(side).collect();
         // Of a contact that lasts, the impact whose impulse acted meanwhile.
         for (link, side) in links.zip(sides.iter_mut().flatten()) {
-            let pressed = closing_m_s
-                .and_then(|closing_m_s| scene.pressed(estimate, event, link, closing_m_s));
-            if let Some(pressed) = pressed {
+            if let Some(pressed) = world.scene.pressed(world.estimate, event, link) {
                 let [touching, left] = &side.states;
-                let after = pressed.after(touching, left);
-                side.states[1] = State {
-                    velocity_m_s: after.velocity_m_s,
-                    angular_velocity_rad_s: after.angular_velocity_rad_s,
-                    ..*touching
-                };
+                side.states[1] = pressed.after(touching, left).in_pose_of(touching);
                 if link == law.link {
                     law.press(Some(&pressed));
                 }

@@ -2,7 +2,7 @@
 
 use crate::motion::{Estimate, LinkIndex, Partner, Scene};
 use crate::physics::State;
-use crate::physics::impact::{self, ContactSet, Impact, Pressed, Side, Velocities};
+use crate::physics::impact::{self, ContactSet, Impact, Pressed, Side};
 
 /// The bodies and contacts of a collision, and its law.
 pub(super) struct CheckedLaw<'a> {
@@ -44,14 +44,9 @@ impl<'a> CheckedLaw<'a> {
         other: Option<&State>,
     ) -> Option<(State, Option<State>)> {
         let impact = self.impact(state, other)?;
-        let moved = |state: &State, after: &Velocities| State {
-            velocity_m_s: after.velocity_m_s,
-            angular_velocity_rad_s: after.angular_velocity_rad_s,
-            ..*state
-        };
         Some((
-            moved(state, &impact.after[0]),
-            other.map(|other| moved(other, &impact.after[1])),
+            impact.after[0].in_pose_of(state),
+            other.map(|other| impact.after[1].in_pose_of(other)),
         ))
     }
 

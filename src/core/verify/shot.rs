@@ -190,11 +190,15 @@ impl FreeShot<'_> {
         } = self.world;
         let touching = state(law.link)?;
         let speed_m_s = law.impact(&touching, other.as_ref())?.speeds_m_s[0];
-        law.press(scene.pressed(estimate, event, law.link, speed_m_s).as_ref());
+        law.press(
+            scene
+                .pressed_at(estimate, event, law.link, speed_m_s)
+                .as_ref(),
+        );
         let (after_of_link, after_of_other) = law.after(&touching, other.as_ref())?;
         let others = law.other.zip(after_of_other);
         for (link, after) in [(law.link, after_of_link)].into_iter().chain(others) {
-            let pressed = scene.pressed(estimate, event, link, speed_m_s);
+            let pressed = scene.pressed_at(estimate, event, link, speed_m_s);
             if let Some(flight) = &mut self.flights[link] {
                 flight.state = match pressed {
                     None => after,

@@ -20,9 +20,9 @@ use crate::estimate::terms::modelled::TouchedPair;
 use crate::estimate::unknowns::layout::Layout;
 use crate::math::so3;
 use crate::optimise::block::BlockPattern;
+use crate::physics::Body;
 use crate::physics::impact::{self, ImpactByModel, Pressed};
 use crate::physics::state::{StateTangent, part};
-use crate::physics::{Body, State};
 
 /// The unknowns of all rows: states before, the event's time; for those of a side also the state
 /// after and the law's parameters; acting parameters last.
@@ -210,11 +210,7 @@ pub(super) fn fill(
         });
         let bounced = match &left {
             Some(left) => left.state,
-            None => State {
-                velocity_m_s: impact.after[index].velocity_m_s,
-                angular_velocity_rad_s: impact.after[index].angular_velocity_rad_s,
-                ..*touching
-            },
+            None => impact.after[index].in_pose_of(touching),
         };
         let gap = after.end.state.minus(&bounced);
         let turn: Vector3<f64> = gap.fixed_rows::<3>(part::ORIENTATION).into();

@@ -203,12 +203,7 @@ impl Problem {
             let mut kinks = collisions.chain(self.stickings.iter().map(|of| of.event));
             event.is_some_and(|event| kinks.any(|of| of == event))
         };
-        let pressed_s = self
-            .collisions
-            .iter()
-            .find(|of| Some(of.event) == arc.start);
-        let pressed_s = pressed_s.and_then(|of| of.contact_s(&at.parameters));
-        let pressed_s = pressed_s.unwrap_or(0.0);
+        let pressed_s = self.contact_s(arc.start, &at.parameters);
         let from_s = start_s
             .filter(|_| is_kink(arc.start))
             .map(|from_s| from_s + pressed_s);

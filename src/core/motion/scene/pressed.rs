@@ -30,9 +30,23 @@ impl Scene {
         })
     }
 
-    /// How a link is pressed at a collision that lasts, at a speed of the first contact along its normal [m/s]; `None` at
-    /// others. The scene has its quantities as estimated.
+    /// How a link is pressed at a collision that lasts; `None` at others, and where a contact is degenerate or a flight is
+    /// missing. The scene has its quantities as estimated.
     pub fn pressed(
+        &self,
+        estimate: &Estimate,
+        event: &EventEstimate,
+        link: LinkIndex,
+    ) -> Option<Pressed> {
+        if event.contact_s <= 0.0 {
+            return None;
+        }
+        let speed_m_s = self.closing_m_s(estimate, event)?;
+        self.pressed_at(estimate, event, link, speed_m_s)
+    }
+
+    /// The same at a speed of the first contact along its normal [m/s].
+    pub fn pressed_at(
         &self,
         estimate: &Estimate,
         event: &EventEstimate,
@@ -65,7 +79,7 @@ impl Scene {
 
     /// The speed with which the first contact of a collision closes, along its normal, before it [m/s]; `None` where it is
     /// degenerate or a flight is missing.
-    pub fn closing_m_s(&self, estimate: &Estimate, event: &EventEstimate) -> Option<f64> {
+    fn closing_m_s(&self, estimate: &Estimate, event: &EventEstimate) -> Option<f64> {
         let collision = self.events[event.event].kind.collision()?;
         let contacts = self.contact_set(event.event).ok()??;
         let law = self.law_estimated(estimate, event.event)?;

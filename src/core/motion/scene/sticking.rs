@@ -92,7 +92,7 @@ impl Scene {
                 Mechanism::Free(_)
             );
             let is_driven = self.is_held(*link) || self.phases.iter().any(|of| of.link == *link);
-            let is_pulled = body.force_m_s2() != Vector3::zeros() || !body.drag().is_none();
+            let is_pulled = body.force_m_s2() != Vector3::zeros() || !body.feels_no_air();
             is_alone && !is_driven && !is_pulled && self.tracks.iter().any(has_pose)
         };
         let mut later = (event + 1..self.events.len()).flat_map(|later| self.links_at(later));

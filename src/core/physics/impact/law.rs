@@ -92,6 +92,15 @@ impl Velocities {
             angular_velocity_rad_s: state.angular_velocity_rad_s,
         }
     }
+
+    /// A state in the pose of another one, with these velocities.
+    pub fn in_pose_of(&self, state: &State) -> State {
+        State {
+            velocity_m_s: self.velocity_m_s,
+            angular_velocity_rad_s: self.angular_velocity_rad_s,
+            ..*state
+        }
+    }
 }
 
 /// The result of an impact. Entries beyond the number of contacts or bodies are zero.
