@@ -91,14 +91,19 @@ pub(super) fn checks(said: &EstimateReport) -> String {
     }
     lines.extend(said.held.iter().map(|held| {
         let number = |of: f64| known(of).map_or("?".to_owned(), |of| format!("{of:.2}"));
+        let does = match held.motion.as_str() {
+            "tumble" => "tumbles, which nothing explains,",
+            _ => "is in the hand",
+        };
         let span = match (held.start_s, held.end_s) {
             (Some(from), Some(to)) => format!(" from {} to {}", seconds(from), seconds(to)),
             _ => String::new(),
         };
         format!(
-            "<bdi>{}</bdi> is in the hand{}: {} samples, smoothed, with noise of {} mm, {}°; at its {} events the motion \
+            "<bdi>{}</bdi> {}{}: {} samples, smoothed, with noise of {} mm, {}°; at its {} events the motion \
              is up to {} mm, {}° from that.",
             escaped(&held.body),
+            does,
             span,
             held.samples,
             number(held.noise_mm),

@@ -127,6 +127,16 @@ fn sentence(scene: &Scene, doubt: &Doubt) -> String {
         About::Slips => format!(
             "{subject} slips where it is said not to, or goes on where friction has stopped it, at {value:.3} m/s, expected at most {bound:.3}"
         ),
+        About::Driven => format!(
+            "{subject} tumbles and gains energy, as if lifted by {:.1} mm, expected at most {:.1} mm: something drives it",
+            value * 1e3,
+            bound * 1e3
+        ),
+        About::Untouched => format!(
+            "{subject} is said to tumble where nothing of the scene is within {:.1} mm, expected something within {:.1} mm",
+            value * 1e3,
+            bound * 1e3
+        ),
         About::Limit => format!(
             "{subject} is {:.1}° beyond its limits at {:.3} s, expected at most {:.1}°",
             value.to_degrees(),

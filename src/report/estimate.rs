@@ -109,7 +109,7 @@ impl EstimateReport {
             verdict: estimate.verdict.as_str().to_owned(),
             fits: estimate.fits().as_str().to_owned(),
             is_fit_tested: is_fit_tested(estimate),
-            fit_note: fit_note(estimate),
+            fit_note: fit_note(scene, estimate),
             not_told: not_told(scene, estimate),
             determined: estimate.undetermined.is_empty(),
             suspects: suspect_lines(scene, &estimate.suspects),

@@ -12,9 +12,23 @@ pub fn fit_words(fits: &str, is_tested: bool) -> &'static str {
     }
 }
 
-/// Why it is not told or not known whether a motion fits, and what a wander hides where joined bodies are said to fit;
+/// Why it is not told or not known whether a motion fits, what a wander hides where joined bodies are said to fit, and what tumbles;
 /// none where the answer says it all.
-pub(super) fn fit_note(estimate: &Estimate) -> Option<String> {
+pub(super) fn fit_note(scene: &Scene, estimate: &Estimate) -> Option<String> {
+    let tumbles = estimate.grips.iter().filter_map(|grip| {
+        let phase = &scene.phases[grip.phase];
+        let lasts_s = grip.span_s[1] - grip.span_s[0];
+        let body = &scene.links[phase.link].name;
+        phase.tumbles().then(|| {
+            format!("`{body}` tumbles for {lasts_s:.3} s: there it goes as it was seen, and nothing is explained")
+        })
+    });
+    let notes: Vec<String> = answer_note(estimate).into_iter().chain(tumbles).collect();
+    (!notes.is_empty()).then(|| notes.join("; "))
+}
+
+/// What the answer alone does not say.
+fn answer_note(estimate: &Estimate) -> Option<String> {
     let fit = match &estimate.fit {
         // What failed or is too far says so by its doubts and its reason.
         _ if estimate.fits() == Fits::No => return None,

@@ -1,4 +1,4 @@
-//! Bodies in the hand.
+//! Bodies in the hand, and those that tumble.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,13 +7,15 @@ use super::reported::Reported;
 use crate::motion::HeldMotion;
 use crate::motion::held::HeldEstimate;
 
-/// A body in the hand, throughout or in a phase: its motion is what its tracker saw, smoothed.
+/// A body in the hand, throughout or in a phase, or one that tumbles: its motion is what its tracker saw, smoothed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct HeldLine {
     /// Name of the body.
     pub body: String,
-    /// Name of the phase in which it is in the hand; none of what is held throughout.
+    /// `held`, or `tumble` where contacts move it that nothing explains.
+    pub motion: String,
+    /// Name of the phase in which it is so; none of what is held throughout.
     pub phase: Option<String>,
     /// Physical time at which that begins.
     pub start_s: Option<f64>,
@@ -46,6 +48,10 @@ pub(super) fn held_lines(of: &Reported) -> Vec<HeldLine> {
         held_line(of, held, motion)
     });
     let for_a_while = of.estimate.grips.iter().map(|grip| HeldLine {
+        motion: match of.scene.phases[grip.phase].tumbles() {
+            true => "tumble".to_owned(),
+            false => "held".to_owned(),
+        },
         phase: Some(of.scene.phases[grip.phase].name.clone()),
         start_s: Some(grip.span_s[0]),
         end_s: Some(grip.span_s[1]),
@@ -62,6 +68,7 @@ fn held_line(of: &Reported, held: &HeldEstimate, motion: Option<&HeldMotion>) ->
     };
     HeldLine {
         body: of.scene.links[held.link].name.clone(),
+        motion: "held".to_owned(),
         phase: None,
         start_s: None,
         end_s: None,

@@ -14,7 +14,8 @@ const LISTED: usize = 4;
 pub struct SeenPhaseLine {
     /// The body.
     pub body: String,
-    /// `rest`, `slide`, `roll`, `still`: held where it is, `with`: it goes with another body, `held`: in a hand.
+    /// `rest`, `slide`, `roll`, `still`: held where it is, `with`: it goes with another body, `held`: in a hand, `tumble`: it
+    /// touches things now and then.
     pub motion: String,
     /// The surface that carries it.
     pub surface: Option<String>,
@@ -57,6 +58,7 @@ impl SeenPhaseLine {
                 line.with = Some(scene.links[other].name.clone());
             }
             SeenMotion::InHand => line.motion = "held".to_owned(),
+            SeenMotion::Tumble => line.motion = "tumble".to_owned(),
         }
         line
     }

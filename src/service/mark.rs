@@ -13,8 +13,7 @@ use serde::Serialize;
 pub use self::edit::MarkEdits;
 use self::edit::{Edited, edited, present};
 pub(super) use self::edit::{check_event, stamp_of};
-pub use self::phases::ProposedPhase;
-use self::phases::{PhaseProposals, phases};
+pub use self::phases::{PhaseProposals, ProposedPhase, proposed_phases};
 use super::deadline::Deadline;
 use super::finish::{Opened, lost, opened, warnings, with_recording};
 use super::guard::Inputs;
@@ -208,7 +207,12 @@ fn besides_flights(
         event: of.event.clone(),
     });
     let marks: Vec<Mark> = marks.collect();
-    Ok(phases(opened.scene.for_reading(), text, &seen, &marks))
+    Ok(proposed_phases(
+        opened.scene.for_reading(),
+        text,
+        &seen,
+        &marks,
+    ))
 }
 
 fn proposed(job: &MarkJob, pipeline: &Pipeline, path: &str) -> anyhow::Result<Vec<MarkProposal>> {

@@ -63,7 +63,9 @@ pub use finish::beside;
 pub use from_urdf::{FromUrdfJob, UrdfImported, from_urdf};
 pub use import::{BodyLine, FlightLine, ImportJob, Imported, InputLine, import};
 pub use inspect::{Inspection, MarkLine, PoseLine, TopicLine, inspect};
-pub use mark::{MarkEdits, MarkJob, Marked, ProposalLine, ProposedPhase, mark};
+pub use mark::{
+    MarkEdits, MarkJob, Marked, PhaseProposals, ProposalLine, ProposedPhase, mark, proposed_phases,
+};
 pub use output::write_file;
 pub use predict::{DEFAULT_PREDICTION_S, PredictJob, predict};
 pub use process::{Failure, ProcessJob, Processed, process};

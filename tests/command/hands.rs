@@ -294,7 +294,7 @@ fn what_hands_cannot_do_is_refused_by_name() {
         (one(&held("carried", "go", "end")), "is between both events"),
         (
             one(&(carried.clone() + &held("still", "thrown", "end"))),
-            "in a hand before and after",
+            "before and after the event, expected one phase",
         ),
         (
             scene("physical", &[], &held("carried", "go", "end")),

@@ -19,3 +19,4 @@ mod shell;
 mod skip;
 mod sticking;
 mod terminal;
+mod tumbles;

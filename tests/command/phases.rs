@@ -410,7 +410,7 @@ fn phases_that_cannot_be_are_refused_by_name() {
         (
             BALL,
             phase("a", "hop", "", ["go", "end"]),
-            "expected \"slide\", \"roll\", \"rest\" or \"held\"",
+            "\"held\" or \"tumble\"",
         ),
         (
             BALL,

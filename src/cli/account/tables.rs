@@ -173,11 +173,19 @@ pub(super) fn segments(report: &EstimateReport) -> String {
     )
 }
 
-/// The bodies in the hand.
+/// The bodies in the hand, and those that tumble.
 pub(super) fn held(report: &EstimateReport) -> String {
+    let titles = [(false, "in the hand"), (true, "tumbles, unexplained")];
+    let tables = titles.map(|(tumbles, title)| as_seen(report, tumbles, title));
+    tables.concat()
+}
+
+/// What goes where it was seen.
+fn as_seen(report: &EstimateReport, tumbles: bool, title: &str) -> String {
     let rows: Vec<Vec<String>> = report
         .held
         .iter()
+        .filter(|held| (held.motion == "tumble") == tumbles)
         .map(|held| {
             vec![
                 match &held.phase {
@@ -199,15 +207,7 @@ pub(super) fn held(report: &EstimateReport) -> String {
         return String::new();
     }
     let columns = [
-        "in the hand",
-        "from",
-        "to",
-        "samples",
-        "noise",
-        "",
-        "events",
-        "moved",
-        "",
+        title, "from", "to", "samples", "noise", "", "events", "moved", "",
     ];
     table("  ", &columns, &rows)
 }

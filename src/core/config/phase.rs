@@ -31,7 +31,7 @@ pub(super) fn phases(
         taken.take("phase", &of.name, &name)?;
         let link = carried(&of.body, scene)?;
         let by = match &of.surface {
-            _ if of.motion.get_ref() == hand::MOTION => {
+            _ if hand::MOTIONS.contains(&of.motion.get_ref().as_str()) => {
                 SupportedBy::Hand(hand::held(spanned, link, scene)?)
             }
             Some(surface) => SupportedBy::Surface(on_surface::on_surface(

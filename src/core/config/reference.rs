@@ -17,7 +17,11 @@ const WORDS: &[(&str, &str, &[&str])] = &[
         "kind",
         &["start", "collision", "change", "waypoint", "end"],
     ),
-    ("phase", "motion", &["slide", "roll", "rest", "held"]),
+    (
+        "phase",
+        "motion",
+        &["slide", "roll", "rest", "held", "tumble"],
+    ),
     ("event", "time", &["fixed", "free"]),
     ("joint", "kind", &["pin", "universal", "ball", "fixed"]),
     (

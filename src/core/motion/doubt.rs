@@ -90,6 +90,10 @@ pub enum About {
     Tips,
     /// Speed of what is said to rest, or slip of what is said to roll.
     Slips,
+    /// Energy per weight that what tumbles has more than when it began to: a height.
+    Driven,
+    /// How far what tumbles is from all that it might touch.
+    Untouched,
     /// Angle by which a joint is beyond its limits.
     Limit,
     /// Angle of a body's axis from where it should point at rest.
@@ -98,7 +102,7 @@ pub enum About {
 
 impl About {
     /// All of them, in this order.
-    pub const ALL: [Self; 35] = [
+    pub const ALL: [Self; 37] = [
         Self::Overlap,
         Self::KeptOut,
         Self::EndTouches,
@@ -132,6 +136,8 @@ impl About {
         Self::Pull,
         Self::Tips,
         Self::Slips,
+        Self::Driven,
+        Self::Untouched,
         Self::Limit,
         Self::Rest,
     ];
@@ -172,6 +178,8 @@ impl About {
             About::Pull => "pull",
             About::Tips => "tips",
             About::Slips => "slips",
+            About::Driven => "driven",
+            About::Untouched => "untouched",
             About::Limit => "limit",
             About::Rest => "rest",
         }
@@ -185,7 +193,9 @@ impl About {
             | About::WrongFeature
             | About::Steps
             | About::Gap
-            | About::Tips => "m",
+            | About::Tips
+            | About::Driven
+            | About::Untouched => "m",
             About::Speed | About::Receding | About::Slips => "m/s",
             About::Spin => "rad/s",
             About::Orientation | About::FallDirection | About::Rest | About::Limit => "rad",
@@ -255,6 +265,8 @@ impl About {
             | About::Pull
             | About::Tips
             | About::Slips
+            | About::Driven
+            | About::Untouched
             | About::Limit => Verdict::Plausible,
             About::Speed
             | About::Spin

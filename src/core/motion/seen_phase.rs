@@ -31,6 +31,8 @@ pub enum SeenMotion {
     With(LinkIndex),
     /// Gravity is not what moves it, and nothing of the scene touches it.
     InHand,
+    /// It touches things now and then, and neither flies nor stays on any for long.
+    Tumble,
 }
 
 /// How a body stays on a surface.
@@ -61,6 +63,7 @@ impl SeenPhase {
             SeenMotion::Still => "is held still".into(),
             SeenMotion::With(other) => format!("moves with `{}`", scene.links[other].name),
             SeenMotion::InHand => "is held".into(),
+            SeenMotion::Tumble => "tumbles".into(),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What a stream shows of bodies that do not fly: that they rest, slide or roll on surfaces, go with others, or are in a hand.
+//! What a stream shows of bodies that do not fly: that they rest, slide or roll on surfaces, go with others, are in a hand, or tumble.
 //!
 //! Everything is told by the geometry and by velocities against their noise; nothing is estimated. Where the tempo is unknown,
 //! slow is no sign of a rest in the air, nor gravity of a hand: what is on a surface and what goes with another is told alone.
@@ -8,6 +8,7 @@ mod local;
 mod parts;
 mod said;
 mod surface;
+mod tumbling;
 
 use typed_index_collections::TiVec;
 
@@ -16,6 +17,7 @@ use self::local::LocalMotions;
 use self::parts::parts;
 pub use self::said::said;
 use self::surface::{LONG_S, footings, stays};
+use self::tumbling::tumbling;
 use crate::motion::{
     LinkIndex, Mechanism, Scene, SeenMotion, SeenPhase, Sketch, Stamp, Timing, TrackIndex,
 };
@@ -136,6 +138,13 @@ fn of_link(
         };
         told.push(ToldStretch { motion, span_s });
     }
+    let stays_s: Vec<[f64; 2]> = told.iter().map(|of| of.span_s).collect();
+    told.extend(
+        tumbling(scene, link, own, &stays_s).map(|span_s| ToldStretch {
+            motion: SeenMotion::Tumble,
+            span_s,
+        }),
+    );
     told.sort_by(|a, b| a.span_s[0].total_cmp(&b.span_s[0]));
     // What follows within a moment follows at once.
     for at in 1..told.len() {

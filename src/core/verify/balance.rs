@@ -457,7 +457,8 @@ fn across(directions: &[Vector3<f64>], vector: Vector3<f64>) -> Vector3<f64> {
     reduced(&base, vector)
 }
 
-fn kinetic_j(body: &Body, state: &State) -> f64 {
+/// Kinetic energy \[J\].
+pub(super) fn kinetic_j(body: &Body, state: &State) -> f64 {
     let omega = state.angular_velocity_rad_s;
     0.5 * body.mass_kg() * state.velocity_m_s.norm_squared()
         + 0.5 * body.moments_kg_m2().dot(&omega.component_mul(&omega))

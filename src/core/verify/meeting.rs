@@ -220,6 +220,20 @@ impl MeetingPartner<'_> {
 }
 
 impl MeetingPair<'_> {
+    /// Whether a link on one of its arcs is one of both.
+    pub(super) fn concerns(&self, index: LinkIndex, arc: &ArcEstimate) -> bool {
+        let is_its = |of: &ArcEstimate| of.start_s == arc.start_s;
+        let is_other = match self.partner {
+            MeetingPartner::Link {
+                index: other,
+                arc: of,
+                ..
+            } => other == index && is_its(of),
+            MeetingPartner::Plane { .. } | MeetingPartner::Obstacle { .. } => false,
+        };
+        is_other || self.index == index && is_its(self.arc)
+    }
+
     /// Upper bound of the rate of the distance [m/s].
     pub(super) fn speed_bound_m_s(&self) -> f64 {
         let own = self.link.speed_bound_m_s(self.arc, self.from_s, self.to_s);

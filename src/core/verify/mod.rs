@@ -2,7 +2,7 @@
 //!
 //! `overlap` searches for solids inside one another along the arcs, `touch` for another part of
 //! a body that would have touched before the expected one, both by parry's distances; `pull` for
-//! contacts that would have to pull; `carried` for what no surface does to what is on it. `shot`
+//! contacts that would have to pull; `carried` for what no surface does to what is on it, and `tumble` for what no contacts do. `shot`
 //! simulates the whole motion from the first states alone: flights by the Taylor series of
 //! Euler's equations (`series`), collisions by distance. `balance` checks energy and momentum.
 //! [`verify`](verify()) runs all of these. [`credible`] checks in addition whether the motion can
@@ -28,6 +28,7 @@ mod shot;
 mod tests;
 mod tied;
 mod touch;
+mod tumble;
 mod whole;
 
 pub use rest::{is_met, lies, up_name};

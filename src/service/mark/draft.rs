@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::config::scene_from_toml;
-use crate::motion::{EventKind, LinkIndex, Mark, Scene, SeenMotion, SeenPhase, Stamp};
+use crate::motion::{EventKind, Mark, Scene, SeenMotion, SeenPhase, Stamp};
 use crate::pipeline::SeenTake;
 
 /// An event of the scene is where a phase begins or ends if it is so near, and one that is added \[ns\].
@@ -80,7 +80,7 @@ impl SceneDraft {
         let body = &scene.links[of.link].name;
         let from = match of.is_at_end[0] {
             true => more.edge(EventKind::Start, of.from)?,
-            false => more.event(scene, of.link, of.from, None, |draft| match of.motion {
+            false => more.event(scene, of, of.from, None, |draft| match of.motion {
                 SeenMotion::On(on) if !follows => {
                     let surface = &scene.surfaces[on.surface].name;
                     let mut keys = format!("surface = {surface:?}\n");
@@ -96,13 +96,13 @@ impl SceneDraft {
         };
         let until = match of.is_at_end[1] {
             true => more.edge(EventKind::End, of.until)?,
-            false => more.event(scene, of.link, of.until, Some(&from), |draft| {
+            false => more.event(scene, of, of.until, Some(&from), |draft| {
                 let name = match (next, of.motion) {
                     (Some(next), _) => begins(next),
                     (None, SeenMotion::InHand | SeenMotion::With(_) | SeenMotion::Still) => {
                         "let go"
                     }
-                    (None, SeenMotion::On(_)) => "off",
+                    (None, SeenMotion::On(_) | SeenMotion::Tumble) => "off",
                 };
                 (draft.free_name(name, body), "change", String::new())
             })?,
@@ -136,18 +136,20 @@ impl SceneDraft {
         }
     }
 
-    /// The event of a body that is near, but not the one that is another already, or one that is added: its name, its kind and its
-    /// other keys.
+    /// The event at which a phase may begin or end that is near, but not the one that is another already, or one that is added: its name,
+    /// its kind and its other keys.
     fn event(
         &mut self,
         scene: &Scene,
-        link: LinkIndex,
+        of: &SeenPhase,
         stamp: Stamp,
         other: Option<&String>,
         add: impl Fn(&Self) -> (String, &'static str, String),
     ) -> Result<String, String> {
+        let link = of.link;
+        let may_hit = of.motion != SeenMotion::Tumble;
         let concerns = |event: &&DraftEvent| match &event.kind {
-            EventKind::Collision(of) => of.links().any(|other| other == link),
+            EventKind::Collision(of) => may_hit && of.links().any(|other| other == link),
             EventKind::Change(of) => *of == link,
             _ => false,
         };
@@ -264,6 +266,9 @@ impl SceneDraft {
             SeenMotion::With(_) | SeenMotion::InHand => {
                 let _ = write!(text, "motion = \"held\"\nbody = {:?}\n", link.name);
             }
+            SeenMotion::Tumble => {
+                let _ = write!(text, "motion = \"tumble\"\nbody = {:?}\n", link.name);
+            }
         }
         let _ = writeln!(text, "from = {:?}\nuntil = {:?}", ends[0], ends[1]);
         text + &free + "\n"
@@ -315,6 +320,7 @@ fn begins(of: &SeenPhase) -> &'static str {
         },
         SeenMotion::Still => "held still",
         SeenMotion::With(_) | SeenMotion::InHand => "taken",
+        SeenMotion::Tumble => "tumbles",
     }
 }
 
@@ -328,13 +334,14 @@ fn called(of: &SeenPhase) -> &'static str {
         },
         SeenMotion::Still => "kept",
         SeenMotion::With(_) | SeenMotion::InHand => "carried",
+        SeenMotion::Tumble => "tumbling",
     }
 }
 
 fn feature_kind(scene: &Scene, of: &SeenPhase) -> &'static str {
     match of.motion {
         SeenMotion::On(on) => scene.links[of.link].features[on.feature].geometry.kind(),
-        SeenMotion::Still | SeenMotion::With(_) | SeenMotion::InHand => "",
+        SeenMotion::Still | SeenMotion::With(_) | SeenMotion::InHand | SeenMotion::Tumble => "",
     }
 }
 

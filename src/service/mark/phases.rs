@@ -29,19 +29,24 @@ pub struct ProposedPhase {
 
 /// What is seen, and what would say it.
 #[derive(Clone, Debug, Default)]
-pub(super) struct PhaseProposals {
+pub struct PhaseProposals {
     /// Body by body in order of time.
-    pub(super) phases: Vec<ProposedPhase>,
+    pub phases: Vec<ProposedPhase>,
     /// Marks of the events at which what is not said yet begins and ends, in order of time.
-    pub(super) phase_marks: Vec<Mark>,
+    pub phase_marks: Vec<Mark>,
     /// Text for the scene; none where nothing is to be said.
-    pub(super) toml: Option<String>,
+    pub toml: Option<String>,
     /// The scene with it.
-    pub(super) scene_toml: Option<String>,
+    pub scene_toml: Option<String>,
 }
 
 /// What is seen of a take, and the text that would say in the scene what that does not say. `marks` are proposals for its events.
-pub(super) fn phases(scene: &Scene, text: &str, seen: &SeenTake, marks: &[Mark]) -> PhaseProposals {
+pub fn proposed_phases(
+    scene: &Scene,
+    text: &str,
+    seen: &SeenTake,
+    marks: &[Mark],
+) -> PhaseProposals {
     let mut draft = SceneDraft::new(scene, text, seen, marks);
     let before = draft.clone();
     let mut phases = Vec::new();

@@ -4,19 +4,27 @@ use crate::config::error::{Fault, fault};
 use crate::config::joint::joint;
 use crate::config::raw::{RawJoint, RawPhase, RawScene};
 use crate::config::spanned::Spanned;
-use crate::motion::{EventKind, InHand, Joint, LinkIndex, Scene, Sees, SupportPhase};
+use crate::motion::{EventKind, InHand, Joint, LinkIndex, Scene, Sees, SupportPhase, Timing};
 use crate::physics::tree::JointKind;
 
-/// The word for it, as a motion of a phase.
-pub(super) const MOTION: &str = "held";
+/// The words for it, as motions of a phase: in a hand, and knocked about by contacts that no law explains.
+pub(super) const MOTIONS: [&str; 2] = ["held", TUMBLE];
+const TUMBLE: &str = "tumble";
 
-/// A body in the hand that goes where its own tracker saw it.
+/// A body in the hand, or one that tumbles, which goes where its own tracker saw it.
 pub(super) fn held(
     spanned: &Spanned<RawPhase>,
     link: LinkIndex,
     scene: &Scene,
 ) -> Result<InHand, Fault> {
     let raw = spanned.get_ref();
+    let tumbles = raw.motion.get_ref() == TUMBLE;
+    if tumbles && scene.timing != Timing::Known {
+        return fault(
+            raw.motion.span(),
+            "what tumbles is not slower than it was seen, expected stamps = \"physical\"",
+        );
+    }
     let unused = [
         ("surface", raw.surface.as_ref().map(Spanned::span)),
         ("feature", raw.feature.as_ref().map(Spanned::span)),
@@ -24,8 +32,9 @@ pub(super) fn held(
     ];
     for (key, span) in unused {
         if let Some(span) = span {
-            let said =
-                format!("{key} is of what stays on a surface, expected none of what is held");
+            let said = format!(
+                "{key} is of what stays on a surface, expected none of what is held or tumbles"
+            );
             return fault(span, said);
         }
     }
@@ -37,10 +46,11 @@ pub(super) fn held(
         (Some((track, of)), None) if of.sees == Sees::Pose => Ok(InHand {
             track,
             link_from_tracker: of.link_from_tracker,
+            tumbles,
         }),
         _ => fault(
             raw.body.span(),
-            "what is held goes where its tracker saw it, expected one tracker of it that shows poses",
+            "what is held or tumbles goes where its tracker saw it, expected one tracker of it that shows poses",
         ),
     }
 }
@@ -77,6 +87,7 @@ pub(super) fn gripped(
     let grip = InHand {
         track,
         link_from_tracker: hand_from_child.inverse() * seen.link_from_tracker,
+        tumbles: false,
     };
     Ok((of, grip))
 }
@@ -96,7 +107,7 @@ pub(in crate::config) fn grips(raw: &RawScene, scene: &Scene, name: &str) -> boo
     })
 }
 
-/// Refuses a hand that takes or leaves a body at an impact, or hands it to another.
+/// Refuses a hand that takes or leaves a body at an impact, or hands it to another, and what tumbles so.
 pub(super) fn check_ends(
     span: std::ops::Range<usize>,
     phase: &SupportPhase,
@@ -109,14 +120,14 @@ pub(super) fn check_ends(
     if !is_met {
         return fault(
             span,
-            "a hand takes and lets go of a body at changes, expected from and until that are a start, a change or an end",
+            "what a hand carries, or tumbles, begins and ends at changes, expected from and until that are a start, a change or an end",
         );
     }
     let [from, until] = phase.events.map(|event| &scene.events[event].kind);
     if (from, until) == (&EventKind::Start, &EventKind::End) {
         return fault(
             span,
-            "the body is in the hand from the start to the end, so that nothing of it is estimated: expected a change at which it is let go, or taken; what is held throughout has held = true",
+            "the body is in the hand, or tumbles, from the start to the end, so that nothing of it is estimated: expected a change at which it is let go, or taken; what is held throughout has held = true",
         );
     }
     let mechanism = scene.mechanism_of(phase.link);
@@ -124,7 +135,7 @@ pub(super) fn check_ends(
     if next.is_some_and(|next| next.in_hand().is_some()) {
         return fault(
             span,
-            "the body is in a hand before and after the event, expected one phase",
+            "the body is in a hand, or tumbles, before and after the event, expected one phase",
         );
     }
     Ok(())

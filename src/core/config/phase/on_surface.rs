@@ -57,7 +57,7 @@ fn sustained(text: &Text) -> Result<Sustained, Fault> {
         None => fault(
             text.span(),
             format!(
-                "motion is {:?}, expected \"slide\", \"roll\", \"rest\" or \"held\"",
+                "motion is {:?}, expected \"slide\", \"roll\", \"rest\", \"held\" or \"tumble\"",
                 text.get_ref()
             ),
         ),

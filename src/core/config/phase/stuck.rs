@@ -57,9 +57,9 @@ pub(super) fn stuck(
     for (link, span) in [(parent, text.span()), (of.child, raw.child.span())] {
         let name = &scene.links[link].name;
         let body = &scene.links[link].body;
-        if body.force_m_s2() != Vector3::zeros() || !body.drag().is_none() {
+        if body.force_m_s2() != Vector3::zeros() || !body.feels_no_air() {
             let said = format!(
-                "{name:?} sticks to another body, on which only gravity acts, expected neither drag nor force_m_s2 of it"
+                "{name:?} sticks to another body, on which only gravity acts, expected neither drag nor force_m_s2 nor lift of it"
             );
             return fault(span, said);
         }

@@ -46,11 +46,12 @@ use super::value::{Number, Text};
 pub(in crate::config) struct RawPhase {
     /// Its name.
     pub(in crate::config) name: Text,
-    /// "slide", "roll", "rest" or "held": it goes where its tracker saw it, in a hand.
+    /// "slide", "roll", "rest", or "held" or "tumble": it goes where its tracker saw it, in a hand, or knocked about by contacts that no
+    /// law explains.
     pub(in crate::config) motion: Text,
     /// The body.
     pub(in crate::config) body: Text,
-    /// What it stays on: a plane, a board or a face. Default: it is held still where it is, with motion = "rest", or moved, with "held".
+    /// What it stays on: a plane, a board or a face. Default: it is held still where it is, with motion = "rest", or moved, with "held" and "tumble".
     pub(in crate::config) surface: Option<Text>,
     /// The face on which it lies. Default: a ball has none.
     pub(in crate::config) feature: Option<Text>,

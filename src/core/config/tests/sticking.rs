@@ -49,6 +49,10 @@ fn what_is_not_computed_is_refused() {
             "neither drag nor force_m_s2",
         ),
         (
+            TWO.replace("mass_g = 80\n", "mass_g = 80\nlift = 0.01\n"),
+            "nor lift",
+        ),
+        (
             TWO.replace("mass_g = 80\n", "mass_g = 80\ndrag_quadratic_per_m = 0.1\n"),
             "drag",
         ),

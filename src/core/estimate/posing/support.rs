@@ -5,7 +5,7 @@ use crate::estimate::problem::influence::Acting;
 use crate::estimate::problem::{
     Arc, ArcChange, ArcPair, ArcSticking, ArcSupport, MovedBy, SupportPlace,
 };
-use crate::motion::{EventKind, LinkIndex, Scene, Sketch, SupportedBy};
+use crate::motion::{EventKind, LinkIndex, Scene, Sketch, SupportPhase, SupportedBy};
 use crate::physics::contact::Feature;
 use crate::physics::support::Caught;
 use crate::physics::{Body, Support, Sustained};
@@ -56,7 +56,10 @@ pub(super) fn changes(
         let is_stuck = scene.sticks(event, mechanism);
         // A hand ends velocities where it puts something down, or takes what moves; what lay begins to move so slowly that they
         // tell no more than places when.
+        // So do contacts at any moment of a tumble.
+        let tumbled = scene.phase_beside(mechanism, event, false);
         let is_stopped = match (before, after) {
+            (None, _) if tumbled.is_some_and(SupportPhase::tumbles) => true,
             (None, _) => sustained(after) == Some(Sustained::Rest),
             (_, None) => true,
             _ => false,

@@ -142,6 +142,7 @@ fn the_rows_and_the_gradient_where_a_hand_takes_a_body_are_exact() {
             name: "taken".into(),
             link,
             by: SupportedBy::Hand(InHand {
+                tumbles: false,
                 track: TrackIndex(0),
                 link_from_tracker: scene.tracks[TrackIndex(0)].link_from_tracker,
             }),

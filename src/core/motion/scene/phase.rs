@@ -27,7 +27,7 @@ pub enum SupportedBy {
     Surface(OnSurface),
     /// A place of the world that a point of it does not leave.
     Pivot(AtPivot),
-    /// A hand: it goes where that was tracked.
+    /// A hand, or contacts that nothing explains: it goes where that was tracked.
     Hand(InHand),
     /// Another body, with which it is one from then on.
     Body(StuckTo),
@@ -42,13 +42,15 @@ pub struct StuckTo {
     pub part: Option<StuckPart>,
 }
 
-/// How a body is tracked in a hand.
+/// How a body is tracked in a hand, or where it tumbles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InHand {
     /// What sees it, or the hand.
     pub track: TrackIndex,
     /// How that tracker is mounted on the body, or on the hand that holds it.
     pub link_from_tracker: Pose,
+    /// Whether no hand moves it, but contacts that nothing explains.
+    pub tumbles: bool,
 }
 
 /// How a body stays on a surface.
@@ -84,12 +86,17 @@ impl SupportPhase {
         }
     }
 
-    /// How it is tracked in a hand, if it is in one.
+    /// How it is tracked in a hand, or where it tumbles.
     pub fn in_hand(&self) -> Option<&InHand> {
         match &self.by {
             SupportedBy::Hand(hand) => Some(hand),
             SupportedBy::Surface(_) | SupportedBy::Pivot(_) | SupportedBy::Body(_) => None,
         }
+    }
+
+    /// Whether contacts move it that nothing explains.
+    pub fn tumbles(&self) -> bool {
+        self.in_hand().is_some_and(|hand| hand.tumbles)
     }
 
     /// To what it is stuck, if it is.
@@ -115,6 +122,7 @@ impl SupportPhase {
                 Sustained::Rest => "rests",
             },
             SupportedBy::Pivot(_) => "is tied to the world",
+            SupportedBy::Hand(hand) if hand.tumbles => "tumbles",
             SupportedBy::Hand(_) => "is in the hand",
             SupportedBy::Body(_) => "is stuck to another body",
         }

@@ -27,7 +27,7 @@ const WITHIN_S: f64 = 0.05;
 const BRIEF_S: f64 = 0.1;
 
 /// Accelerations of flights are the scene's up to this share, and what is off by more than the other is no fall.
-const FALL_SHARE: f64 = 0.15;
+pub(super) const FALL_SHARE: f64 = 0.15;
 const NO_FALL_SHARE: f64 = 0.5;
 /// Windows tell it, of so long \[s\] and so many samples at least.
 const WINDOW_S: f64 = 0.1;
@@ -198,7 +198,12 @@ fn does_not_fall(times_s: &[f64], points: &[Vector3<f64>], pull: &Vector3<f64>) 
 }
 
 /// At which samples a body is within reach of a surface: of its lowest point, to noise and the scene's accuracy.
-fn touches(scene: &Scene, link: LinkIndex, poses: &[(f64, Pose)], noise_m: f64) -> Vec<bool> {
+pub(super) fn touches(
+    scene: &Scene,
+    link: LinkIndex,
+    poses: &[(f64, Pose)],
+    noise_m: f64,
+) -> Vec<bool> {
     let of = &scene.links[link];
     let solid = of.solid();
     let reach_m = NOISE * noise_m + scene.tolerance_m.max(0.05 * of.radius_m());
@@ -228,7 +233,10 @@ fn touches(scene: &Scene, link: LinkIndex, poses: &[(f64, Pose)], noise_m: f64) 
 }
 
 /// The stretches of a range from 0 on in which something holds.
-fn runs(count: usize, holds: impl Fn(usize) -> bool) -> impl Iterator<Item = Range<usize>> {
+pub(super) fn runs(
+    count: usize,
+    holds: impl Fn(usize) -> bool,
+) -> impl Iterator<Item = Range<usize>> {
     let mut found = Vec::new();
     let mut begin = 0;
     for at in 0..=count {

@@ -132,10 +132,14 @@ impl Slowed<'_> {
         let long_s = |run: &Range<usize>| each[run.end - 1].time_s - each[run.start].time_s;
         loop {
             let is_short = |run: &Range<usize>| long_s(run) < PART_S || run.len() < PART_MOMENTS;
+            // Half a window more of a rest with which the samples end is seen.
+            let ends_at_rest = |(of, run): &(Sustained, Range<usize>)| {
+                *of == Sustained::Rest && run.end == each.len()
+            };
             let short = runs
                 .iter()
                 .enumerate()
-                .filter(|(_, (_, run))| is_short(run));
+                .filter(|(_, of)| is_short(&of.1) && !ends_at_rest(of));
             let shortest = short.min_by(|a, b| long_s(&a.1.1).total_cmp(&long_s(&b.1.1)));
             let Some((at, _)) = shortest.filter(|_| runs.len() > 1) else {
                 return runs;

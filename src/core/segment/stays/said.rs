@@ -44,7 +44,8 @@ fn is_alike(phase: &SupportPhase, seen: &SeenPhase) -> bool {
             (on.sustained, on.surface) == (there.sustained, there.surface)
         }
         (SupportedBy::Pivot(at), SeenMotion::Still) => at.place_m.is_none(),
-        (SupportedBy::Hand(_), SeenMotion::InHand | SeenMotion::With(_)) => true,
+        (SupportedBy::Hand(hand), SeenMotion::InHand | SeenMotion::With(_)) => !hand.tumbles,
+        (SupportedBy::Hand(hand), SeenMotion::Tumble) => hand.tumbles,
         _ => false,
     }
 }

@@ -1,10 +1,11 @@
 //! Real tosses of a cube: residuals and gravity of the first flight, restitution and friction of the
-//! first impact, and what would have been predicted.
+//! first impact, what would have been predicted, and whole tosses until they rest.
 
 pub mod bounce;
 pub mod contacts;
 mod flights;
 mod impacts;
+mod whole;
 
 use anyhow::Result;
 
@@ -23,5 +24,6 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
         tosses.truncate(QUICK);
     }
     flights::run(&scene, &tosses, record)?;
-    impacts::run(&tosses, options.quick, record)
+    impacts::run(&tosses, options.quick, record)?;
+    whole::run(&tosses, record)
 }
