@@ -8,6 +8,8 @@ use enact::pipeline::{Outcome, Pipeline};
 use enact::service::proposed_phases;
 use enact_tools::tosses::{RATES_HZ, Toss, scene_toml};
 
+use super::bounce::Setting;
+use super::contacts::contacts;
 use crate::record::Record;
 use crate::statistics::{median, quantile};
 use crate::table::Table;
@@ -17,6 +19,11 @@ const RATE_HZ: f64 = RATES_HZ[0];
 /// A whole motion is explained within these, rms over all samples \[m\], \[rad\].
 const WITHIN_M: f64 = 0.001;
 const WITHIN_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0;
+/// A second corner touches soon after so many samples at most.
+const SOON: f64 = 2.0;
+/// The setting of the impacts that leaves the least.
+const MOMENT_KG_M2: f64 = 8.1e-4;
+const RADIUS_M: f64 = 0.005;
 /// What scenes may be inaccurate: by default, and as deep as corners are seen below the table \[mm\].
 const TOLERANCES_MM: [Option<f64>; 2] = [None, Some(3.0)];
 
@@ -25,6 +32,8 @@ struct Whole {
     outcome: Outcome,
     /// Distance of the motion from all samples, rms \[m\], \[rad\].
     off: [f64; 2],
+    /// Whether a second corner touches soon after the first.
+    is_double: bool,
     /// How long it tumbles, and all of it \[s\].
     tumbles_s: f64,
     lasts_s: f64,
@@ -40,14 +49,19 @@ pub fn run(tosses: &[Toss], record: &mut Record) -> Result<()> {
         "of these physical",
         "of these nothing against, fits",
         "not within: doubted or said not to fit",
+        "of these a second corner within two samples of the first",
+        "not within and not said: that too, furthest off mm, deg",
+        "within: that too",
         "position off mm, quartiles",
         "turned off deg, quartiles",
         "tumbles s, quartiles",
         "share of the time, median",
     ];
     let mut table = Table::new("whole", "", &header);
+    let setting = Setting::new(MOMENT_KG_M2, RADIUS_M)?;
     for tolerance_mm in TOLERANCES_MM {
-        let each = tosses.iter().map(|toss| whole(toss, tolerance_mm));
+        let each = tosses.iter();
+        let each = each.map(|toss| whole(toss, &setting, tolerance_mm));
         let each: Vec<Option<Whole>> = each.collect::<Result<_>>()?;
         table.row(row(tolerance_mm, &each));
     }
@@ -72,8 +86,16 @@ fn first_toml(tolerance_mm: Option<f64>) -> Result<String> {
     Ok(format!("{whole}{tolerance}{head}{events}"))
 }
 
+/// Whether two corners touch within some samples.
+fn is_double(toss: &Toss, setting: &Setting) -> bool {
+    let poses = toss.poses.iter();
+    let heights_m: Vec<Vec<f64>> = poses.map(|pose| setting.heights_m(pose)).collect();
+    let places = contacts(&heights_m);
+    places.len() > 1 && places[1].place - places[0].place <= SOON
+}
+
 /// What is made of a toss with what is proposed of it; `None` where there is no motion.
-fn whole(toss: &Toss, tolerance_mm: Option<f64>) -> Result<Option<Whole>> {
+fn whole(toss: &Toss, setting: &Setting, tolerance_mm: Option<f64>) -> Result<Option<Whole>> {
     let text = first_toml(tolerance_mm)?;
     let take = toss.take(RATE_HZ, toss.poses.len(), &[]);
     let first = scene_from_toml(&text)?;
@@ -93,6 +115,7 @@ fn whole(toss: &Toss, tolerance_mm: Option<f64>) -> Result<Option<Whole>> {
     let spans_s = estimate.grips.iter().map(|of| of.span_s[1] - of.span_s[0]);
     Ok(Some(Whole {
         off: off(toss, &outcome),
+        is_double: is_double(toss, &setting),
         tumbles_s: spans_s.sum(),
         lasts_s: (toss.poses.len() - 1) as f64 / RATE_HZ,
         outcome,
@@ -150,7 +173,13 @@ fn row(tolerance_mm: Option<f64>, each: &[Option<Whole>]) -> Vec<String> {
     let fits = |of: &Whole| of.outcome.estimate.fits() == Fits::Yes;
     let count = |is_it: &dyn Fn(&Whole) -> bool| told.iter().filter(|of| is_it(of)).count();
     let beyond = count(&|of| !is_within(of));
-    let said = count(&|of| !(is_within(of) || is_physical(of) && fits(of)));
+    let is_said = |of: &Whole| !(is_within(of) || is_physical(of) && fits(of));
+    let said = count(&is_said);
+    let is_silent = |of: &Whole| !is_within(of) && is_physical(of) && fits(of);
+    let furthest = |kind: usize| {
+        let silent = told.iter().filter(|of| is_silent(of));
+        silent.map(|of| of.off[kind]).fold(0.0, f64::max)
+    };
     let quartiles = |value: &dyn Fn(&Whole) -> f64, decimals: usize| {
         let mut all: Vec<f64> = told.iter().map(|of| value(of)).collect();
         all.sort_by(f64::total_cmp);
@@ -166,6 +195,15 @@ fn row(tolerance_mm: Option<f64>, each: &[Option<Whole>]) -> Vec<String> {
         count(&|of| is_within(of) && is_physical(of)).to_string(),
         count(&|of| is_within(of) && is_physical(of) && fits(of)).to_string(),
         format!("{said} of {beyond}"),
+        count(&|of| is_said(of) && of.is_double).to_string(),
+        format!(
+            "{} of {}, {:.2}, {:.2}",
+            count(&|of| is_silent(of) && of.is_double),
+            beyond - said,
+            1e3 * furthest(0),
+            furthest(1).to_degrees()
+        ),
+        count(&|of| is_within(of) && of.is_double).to_string(),
         quartiles(&|of| 1e3 * of.off[0], 2),
         quartiles(&|of| of.off[1].to_degrees(), 2),
         quartiles(&|of| of.tumbles_s, 3),
