@@ -44,12 +44,13 @@
 //! | [`wire`] | bytes ↔ motion, the contract over iceoryx2; shared by `ingest` and `write`; no files | `motion`, `math` |
 //! | [`config`] | TOML → checked scenes; URDF, meshes and objects at hand → TOML | `motion` and below |
 //! | [`calibrate`] | beside the stages: tip, table, noise, gravity and clocks of what a tracker sees | `motion` and below |
+//! | [`jointly`] | beside the stages: one answer from what many takes say of what they share | `motion` |
 //! | [`pipeline`] | stages 2 to 4c as one pure state machine | the stages |
-//! | [`service`] | its drivers, with clock, files and threads: live, replay and offline | `pipeline`, `calibrate`, `ingest`, `write`, `page`, `report`, `config`, `motion` |
+//! | [`service`] | its drivers, with clock, files and threads: live, replay and offline | `pipeline`, `calibrate`, `jointly`, `ingest`, `write`, `page`, `report`, `config`, `motion` |
 //! | [`cli`] | the commands and their accounts | `config`, `report`, `service` |
 //!
 //! The crate `enact-core` in `src/core` has `config` and the rooms that compute; the others, around it, are the program.
-//! `math`, `optimise`, `physics`, `motion`, the stages 2 to 4, `calibrate` and `pipeline` do nothing but compute. What is
+//! `math`, `optimise`, `physics`, `motion`, the stages 2 to 4, `calibrate`, `jointly` and `pipeline` do nothing but compute. What is
 //! absent there matters most: no files, no sockets, no clock, no threads, no printing, no logging, no container of random
 //! order. A run can be stopped and watched through
 //! [`motion::Observer`], and the same take gives the same bits. Stages never import each other;
@@ -104,8 +105,8 @@
 #![forbid(unsafe_code)]
 
 pub use enact_core::{
-    calibrate, config, estimate, initialise, math, motion, optimise, physics, pipeline, segment,
-    settle, verify,
+    calibrate, config, estimate, initialise, jointly, math, motion, optimise, physics, pipeline,
+    segment, settle, verify,
 };
 
 pub mod cli;

@@ -9,6 +9,7 @@ pub mod calibrate;
 pub mod config;
 pub mod estimate;
 pub mod initialise;
+pub mod jointly;
 pub mod math;
 pub mod motion;
 pub mod optimise;

@@ -22,6 +22,7 @@ mod preview;
 mod rest;
 mod search;
 mod seen;
+mod shared;
 mod sound;
 mod spread;
 mod stages;
@@ -39,6 +40,7 @@ pub use self::preview::{Preview, Previewed};
 use self::rest::Sought;
 pub use self::search::SearchWork;
 pub use self::seen::{MarkProposal, SeenTake};
+pub use self::shared::{NoShare, SharedTake};
 use self::stages::doubts;
 use crate::estimate::{LastState, Solved};
 use crate::motion::{

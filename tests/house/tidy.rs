@@ -36,6 +36,7 @@ const IMPORTS: &[(&str, &[&str])] = &[
     ("verify", &["motion", "physics", "math"]),
     ("settle", &["motion", "physics", "math"]),
     ("calibrate", &["motion", "physics", "math"]),
+    ("jointly", &["motion"]),
     (
         "pipeline",
         &[
@@ -72,6 +73,7 @@ const IMPORTS: &[(&str, &[&str])] = &[
         &[
             "pipeline",
             "calibrate",
+            "jointly",
             "ingest",
             "write",
             "page",
@@ -97,6 +99,7 @@ const CORE: &[&str] = &[
     "verify",
     "settle",
     "calibrate",
+    "jointly",
     "pipeline",
 ];
 

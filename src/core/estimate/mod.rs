@@ -36,4 +36,5 @@ pub use covariance::whitened::Whitened;
 pub use schedule::recipe::Recipe;
 pub use solve::bound::{Bound, Part};
 pub use solve::last::LastState;
+pub use solve::sharing::SharedMotion;
 pub use solve::{Deviations, Solved, cost, estimate};

@@ -7,6 +7,7 @@ pub(in crate::estimate) mod deviation;
 pub mod last;
 mod nearby;
 mod rivals;
+pub mod sharing;
 pub(in crate::estimate) mod simulate;
 mod wandering;
 

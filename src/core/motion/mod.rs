@@ -1,7 +1,7 @@
 //! The data that the stages exchange: the trackers' readings ([`take`]), the scene ([`scene`]), the
 //! performance as the estimator sees it ([`sketch`]), the result ([`estimate`]), how certain it is ([`certainty`]), the checks of it
 //! ([`verification`]), doubts about it ([`doubt`]), likely mistakes in what
-//! is said of it ([`diagnosis`]), its continuation ([`settled`]) and how it ends ([`rest`]), free flights in a path
+//! is said of it ([`diagnosis`]), what it says of quantities that takes share ([`take_share`]), its continuation ([`settled`]) and how it ends ([`rest`]), free flights in a path
 //! ([`mod@fall`]), what is seen besides flights ([`seen_phase`]), and the observer of a run ([`observe`]).
 
 mod borne;
@@ -35,6 +35,7 @@ pub mod snap;
 pub mod spread;
 pub mod suspect;
 pub mod take;
+pub mod take_share;
 pub mod time_map;
 pub mod verdict;
 pub mod verification;
@@ -83,6 +84,7 @@ pub use suspect::Suspect;
 pub use take::{
     Covariance, Holds, Mark, OpenTime, PoseSample, SampleSource, Stamp, StampSource, TakeEvent,
 };
+pub use take_share::TakeShare;
 pub use time_map::TimeMap;
 pub use verdict::Verdict;
 pub use verification::{Balance, Deviation, Penetration, Pull, SingleShot, Touch, Verification};

@@ -45,6 +45,13 @@ pub struct KktStep {
     pub multipliers: Vec<f64>,
 }
 
+/// Where a step begins: gradient of the cost, multipliers, and signed distances of the rows from their active bounds.
+struct StepStart<'a> {
+    gradient: DVector<f64>,
+    multipliers: Vec<f64>,
+    violations: &'a [f64],
+}
+
 /// The factorised `H + Jᵀ W J` of a system, for steps and for covariances.
 pub struct Kkt {
     matrix: Envelope,
@@ -147,9 +154,42 @@ impl Kkt {
         system: &System,
         curved: Option<&Envelope>,
     ) -> KktStep {
+        let start = StepStart {
+            gradient: system.gradient.clone(),
+            multipliers: self.multipliers.clone(),
+            violations: &self.violations,
+        };
+        self.stepped(structure, system, curved, start)
+    }
+
+    /// How unknowns and multipliers follow, to first order, where an active row is to be greater by one unit.
+    pub fn response(
+        &self,
+        structure: &Structure,
+        system: &System,
+        curved: Option<&Envelope>,
+        row: usize,
+    ) -> KktStep {
+        let mut asked = vec![0.0; self.violations.len()];
+        asked[row] = -1.0;
+        let start = StepStart {
+            gradient: DVector::zeros(structure.size()),
+            multipliers: vec![0.0; asked.len()],
+            violations: &asked,
+        };
+        self.stepped(structure, system, curved, start)
+    }
+
+    fn stepped(
+        &self,
+        structure: &Structure,
+        system: &System,
+        curved: Option<&Envelope>,
+        start: StepStart,
+    ) -> KktStep {
         let hessian = curved.unwrap_or(&system.hessian);
-        let (weights, violations) = (&self.weights, &self.violations);
-        let mut multipliers = self.multipliers.clone();
+        let (weights, violations) = (&self.weights, start.violations);
+        let mut multipliers = start.multipliers;
         let mut delta = DVector::zeros(structure.size());
         let mut residual = DVector::zeros(structure.size());
         let mut rows = vec![0.0; multipliers.len()];
@@ -158,7 +198,7 @@ impl Kkt {
             .fold(0.0, |most: f64, v| most.max(v.abs()));
         for refinement in 0..REFINEMENTS {
             // Minus the gradient of the model's augmented Lagrangian at `delta`.
-            residual.copy_from(&system.gradient);
+            residual.copy_from(&start.gradient);
             if refinement > 0 {
                 hessian.multiply_add(&structure.pattern, &delta, &mut residual);
                 for of in self.curvature.iter().chain(&self.shifts) {

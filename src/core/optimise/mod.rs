@@ -25,6 +25,7 @@ pub mod kkt;
 pub mod lagrangian;
 mod program;
 pub mod qp;
+pub mod reduced;
 pub mod schedule;
 pub mod system;
 pub mod trust;

@@ -20,6 +20,10 @@ impl Constraint for Bounded {
         fill(free, at.point.parameters[self.parameter], room);
     }
 
+    fn bounds_parameter(&self) -> Option<usize> {
+        Some(self.parameter)
+    }
+
     fn half_width(&self, rows: &Block) -> Option<f64> {
         let (lower, upper) = rows.bounds[0];
         Some(0.5 * (upper - lower))

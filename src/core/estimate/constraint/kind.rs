@@ -99,6 +99,11 @@ pub trait Constraint {
         0.0
     }
 
+    /// The parameter that its only row bounds, by itself.
+    fn bounds_parameter(&self) -> Option<usize> {
+        None
+    }
+
     /// For bounds of parameters and times: half the width of the allowed range, in units.
     fn half_width(&self, _rows: &Block) -> Option<f64> {
         None

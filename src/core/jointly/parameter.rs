@@ -1,0 +1,63 @@
+//! What takes share.
+
+use nalgebra::DVector;
+
+use crate::motion::FreeParameter;
+
+/// A quantity that takes share, in its SI unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointParameter {
+    /// Its name in scenes.
+    pub name: String,
+    /// What the scene says of it: the mean of its prior.
+    pub initial: f64,
+    /// Least value.
+    pub lower: f64,
+    /// Greatest value.
+    pub upper: f64,
+    /// Standard deviation of its prior, which counts once for all takes.
+    pub prior_sd: Option<f64>,
+    /// A typical change of it.
+    pub length: f64,
+    /// Whether each take has its own value, drawn about a mean.
+    pub is_drawn: bool,
+}
+
+impl JointParameter {
+    /// A free parameter of a scene.
+    pub fn new(free: &FreeParameter, is_drawn: bool) -> Self {
+        Self {
+            name: free.name.clone(),
+            initial: free.initial,
+            lower: free.lower,
+            upper: free.upper,
+            prior_sd: free.prior_sd,
+            length: free.length(),
+            is_drawn,
+        }
+    }
+
+    /// Information of its prior, per squared length.
+    pub(super) fn prior(&self) -> f64 {
+        self.prior_sd.map_or(0.0, |sd| (self.length / sd).powi(2))
+    }
+
+    /// Its bounds in lengths.
+    pub(super) fn bounds(&self) -> [f64; 2] {
+        [self.lower, self.upper].map(|bound| bound / self.length)
+    }
+
+    /// A value in lengths, off the bounds: from a bound no step need lead away.
+    pub(super) fn inside(&self, scaled: f64) -> f64 {
+        const OFF: f64 = 0.01;
+        let [lower, upper] = self.bounds();
+        let off = OFF * (upper - lower).min(1.0);
+        scaled.max(lower + off).min(upper - off)
+    }
+}
+
+/// Lengths of parameters.
+pub(super) fn lengths(parameters: &[JointParameter]) -> DVector<f64> {
+    let lengths = parameters.iter().map(|of| of.length);
+    DVector::from_iterator(parameters.len(), lengths)
+}
