@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod estimate;
+mod fit;
 mod live;
 mod output;
 mod recording;
@@ -15,6 +16,7 @@ use clap::{ArgAction, Parser, Subcommand};
 
 pub(super) use calibrate::{CalibrateCommand, Common, SceneCalibratedArguments};
 pub(super) use estimate::{Free, PredictArguments, ProcessArguments, ReplayArguments};
+pub(super) use fit::FitArguments;
 #[cfg(feature = "live")]
 pub(super) use live::Wanted;
 pub(super) use live::{CaptureArguments, DoctorArguments, RecoverArguments, TakeArguments};
@@ -81,6 +83,8 @@ pub(super) enum Command {
         #[command(subcommand)]
         command: CalibrateCommand,
     },
+    /// Find what many takes share: restitution, friction, gravity, mounts
+    Fit(FitArguments),
     /// Make scenes, and say what they mean
     #[command(after_help = "Examples:\n\
              \x20 enact scene new pencil -o pencil.toml\n\
@@ -121,6 +125,7 @@ impl Command {
             Self::Export(of) => &of.budget,
             Self::Report(of) => &of.budget,
             Self::Calibrate { command } => &command.common().budget,
+            Self::Fit(of) => &of.budget,
             _ => return None,
         };
         budget.deadline

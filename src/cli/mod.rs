@@ -20,6 +20,7 @@ mod completion;
 mod doctor;
 mod exit;
 mod export;
+mod fit;
 mod import;
 mod inspect;
 mod interrupt;

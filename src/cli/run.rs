@@ -9,7 +9,7 @@ use tracing_subscriber::EnvFilter;
 use super::arguments::{Arguments, Command};
 use super::exit::Exit;
 use super::{
-    calibrate, completion, export, import, inspect, interrupt, manual, mark, output, predict,
+    calibrate, completion, export, fit, import, inspect, interrupt, manual, mark, output, predict,
     process, recover, replay, report, scene, sketch,
 };
 #[cfg(feature = "live")]
@@ -52,6 +52,7 @@ pub fn run() -> ExitCode {
         Command::Report(arguments) => report::run(arguments),
         Command::Predict(arguments) => predict::run(arguments, verbose),
         Command::Calibrate { command } => calibrate::run(command),
+        Command::Fit(arguments) => fit::run(arguments),
         Command::Scene { command } => scene::run(command),
         Command::Completion { shell } => completion::run(shell),
         Command::Manual { output } => manual::run(&output),

@@ -11,7 +11,7 @@ use crate::report::{EstimateMessage, EstimateReport, ExportProvenance};
 use crate::visual::View;
 
 /// The style of everything but pictures and charts.
-const STYLE: &str = include_str!("style.css");
+pub(super) const STYLE: &str = include_str!("style.css");
 
 /// Width of the large picture, in its own pixels.
 const LARGE_PX: f64 = 760.0;

@@ -13,6 +13,7 @@ mod events;
 mod html;
 mod impacts;
 mod input;
+mod joint;
 mod markup;
 mod parameters;
 mod residuals;
@@ -27,6 +28,7 @@ mod verdict;
 
 pub use html::{PageError, html, strobe_of};
 pub use input::Page;
+pub use joint::fit_page;
 pub use strobe::{Size, Strobe};
 
 pub use crate::visual::View;

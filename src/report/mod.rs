@@ -23,6 +23,7 @@ mod fit;
 pub mod goals;
 pub mod held;
 mod impacts;
+pub mod joint;
 pub mod message;
 pub mod motion;
 pub mod plain;
@@ -52,6 +53,10 @@ pub use fit::fit_words;
 pub use goals::GoalLine;
 pub use held::HeldLine;
 pub use impacts::ImpactLine;
+pub use joint::{
+    FitLine, FitTakeLine, FittedLine, HeldOutLine, InfluenceLine, OwnLine, ResidualLine,
+    TakeSpreadLine,
+};
 pub use message::{ArcLine, EstimateMessage, REPORT_SCHEMA, json};
 pub use motion::{DurationLine, EventLine, ParameterLine, SegmentLine};
 pub use plain::{brief, plain, plain_json, plain_line, prints};

@@ -1,6 +1,6 @@
 //! What the tools and the tests of `enact` share.
 //!
-//! - performances with known truth: [`perform`], estimated as a [`case`]; whole [`scenes`] drawn at random, and [`mod@phases`] of motions; [`goals`] near them; [`hands`] that wander
+//! - performances with known truth: [`perform`], estimated as a [`case`]; whole [`scenes`] drawn at random, and [`mod@phases`] of motions; [`fits`] of one truth; [`goals`] near them; [`hands`] that wander
 //!   otherwise, [`nonsense`] that is no such performance, what nothing ties to it ([`beside`]), and what makes it hard ([`stress`],
 //!   [`mod@open`]); real [`tosses`] of a cube, of household [`objects`] and of an [`elbow`];
 //! - answers from elsewhere: [`starts`] of the solver about the truth, covariances by [`dense`]
@@ -21,6 +21,7 @@ pub mod dense;
 pub mod elbow;
 pub mod errors;
 pub mod export;
+pub mod fits;
 pub mod front;
 pub mod goals;
 pub mod hands;

@@ -189,6 +189,7 @@ mod raw;
 mod reference;
 mod rest;
 mod scene;
+mod shared;
 mod solid;
 mod spanned;
 mod text;
@@ -197,8 +198,9 @@ mod unit;
 mod urdf;
 
 pub use calibration::{
-    BodyValues, CalibratedQuantity, CalibratedScene, Calibration, CalibrationError, FreeValue,
-    SceneValues, SourceLine, SurfaceValue, TrackValues, TrackerValue, body_axis, scene_calibrated,
+    BodyValues, CalibratedQuantity, CalibratedScene, Calibration, CalibrationError, EventValues,
+    FreeValue, SceneValues, SourceLine, SurfaceValue, TrackValues, TrackerValue, body_axis,
+    scene_calibrated,
 };
 pub use capture::CaptureSettings;
 pub use check::{BodyCheck, EventCheck, SceneCheck, TopicCheck, check_scene};
@@ -209,7 +211,9 @@ pub use mesh::{MeshError, MeshFormat};
 pub use new::{MadeScene, NewObject, NewScene, NewSceneError, new_scene};
 pub use preset::{PRESETS, Preset};
 pub use reference::{scene_reference, scene_schema};
+pub use shared::share;
 pub use text::{capture_from_toml, scene_from_toml};
+pub use unit::Unit;
 pub use urdf::{UrdfScene, scene_from_urdf};
 
 #[cfg(test)]

@@ -4,13 +4,13 @@ use crate::motion::Quantity;
 
 /// A unit as files have it.
 #[derive(Debug, PartialEq)]
-pub(super) struct Unit {
+pub struct Unit {
     /// The SI unit of its quantities, as in [`Quantity::unit`].
     of: &'static str,
     /// As messages name it, after a number.
-    pub(super) name: &'static str,
+    pub name: &'static str,
     /// Value of the unit in SI units.
-    pub(super) si: f64,
+    pub si: f64,
 }
 
 /// One unit for each of [`Quantity::unit`].
@@ -31,7 +31,7 @@ const fn unit(of: &'static str, name: &'static str, si: f64) -> Unit {
 
 impl Unit {
     /// The unit in which the file has a quantity.
-    pub(super) fn of(quantity: Quantity) -> &'static Unit {
+    pub fn of(quantity: Quantity) -> &'static Unit {
         let of = quantity.unit();
         let found = UNITS.iter().find(|unit| unit.of == of);
         found.expect("a unit for every quantity's")

@@ -11,8 +11,8 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::parameter::{JointParameter, lengths};
 use super::part::{MeanPart, Total};
-use super::search::Joint;
-use super::spread::Field;
+use super::search::JointSearch;
+use super::spread::TakesField;
 use super::weak::without;
 use crate::motion::TakeShare;
 
@@ -64,7 +64,7 @@ pub(super) struct Optimum {
 
 impl Optimum {
     /// The optimum of a search; `None` where nothing is free and determined.
-    pub(super) fn of(joint: &Joint, parts: &[MeanPart]) -> Option<Self> {
+    pub(super) fn of(joint: &JointSearch, parts: &[MeanPart]) -> Option<Self> {
         let parameters = joint.parameters();
         let total = Total::of(parameters, joint.mean(), parts.iter());
         let basis = kept(joint)?;
@@ -121,7 +121,7 @@ impl Optimum {
 }
 
 /// Orthonormal directions that are neither at a bound nor undetermined.
-fn kept(joint: &Joint) -> Option<DMatrix<f64>> {
+fn kept(joint: &JointSearch) -> Option<DMatrix<f64>> {
     let bounded = joint.bounded();
     let free: Vec<usize> = (0..bounded.len()).filter(|at| !bounded[*at]).collect();
     let mut projector = without(&joint.held());
@@ -148,7 +148,7 @@ fn inverse_root(information: &DMatrix<f64>) -> DMatrix<f64> {
     &eigen.eigenvectors * DMatrix::from_diagonal(&values) * eigen.eigenvectors.transpose()
 }
 
-impl Joint {
+impl JointSearch {
     /// The joint values with their intervals, and their correlations, at the optimum.
     pub fn intervals(&self, shares: &[Option<TakeShare>]) -> (Vec<JointInterval>, DMatrix<f64>) {
         let parts = self.parts(shares);
@@ -160,7 +160,7 @@ impl Joint {
         let none = || (DMatrix::zeros(count, count), DVector::zeros(count));
         let (covariance, freedoms) =
             Optimum::of(self, &of_means).map_or_else(none, |of| of.covariance());
-        let field = Field {
+        let field = TakesField {
             parameters: self.parameters(),
             mean: self.mean(),
             parts: &parts,

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::interval::Optimum;
 use super::parameter::lengths;
 use super::part::{MeanPart, PlainPart};
-use super::search::Joint;
+use super::search::JointSearch;
 use crate::motion::TakeShare;
 
 /// A take whose own value is so many times as far off as takes are differs from the others.
@@ -51,7 +51,7 @@ pub enum Standout {
     },
 }
 
-impl Joint {
+impl JointSearch {
     /// What is said of each take at the optimum; none of those that take no part.
     pub fn judged(&self, shares: &[Option<TakeShare>]) -> Vec<Option<TakeJudged>> {
         let parts = self.parts(shares);

@@ -29,5 +29,5 @@ pub mod weak;
 pub use interval::{JointInterval, Spreads};
 pub use judge::{Standout, TakeJudged};
 pub use parameter::JointParameter;
-pub use search::{Joint, Turn};
+pub use search::{JointSearch, Turn};
 pub use weak::WeakDirection;

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::parameter::{JointParameter, lengths};
 use super::part::{MeanPart, PlainPart, Total};
-use super::spread::Field;
+use super::spread::TakesField;
 use super::weak::{WeakDirection, weak, without};
 use crate::motion::TakeShare;
 
@@ -33,7 +33,7 @@ pub enum Turn {
 
 /// A search for the joint optimum.
 #[derive(Clone, Debug)]
-pub struct Joint {
+pub struct JointSearch {
     parameters: Vec<JointParameter>,
     /// In lengths, like all that follows: the joint values, the variances of what is drawn,
     mean: DVector<f64>,
@@ -45,20 +45,20 @@ pub struct Joint {
     /// Directions that are not determined, once that is known.
     held: Option<DMatrix<f64>>,
     weak: Vec<WeakDirection>,
-    best: Option<Reached>,
+    best: Option<BestSoFar>,
     halvings: usize,
     rounds: usize,
 }
 
 /// The best place so far.
 #[derive(Clone, Debug)]
-struct Reached {
+struct BestSoFar {
     mean: DVector<f64>,
     asked: Vec<DVector<f64>>,
     objective: f64,
 }
 
-impl Joint {
+impl JointSearch {
     /// A search among takes from what each of them says at its own optimum: from the medians of their own values, each with
     /// the weight of its information. `None`: takes no part until it says something.
     pub fn new(parameters: Vec<JointParameter>, own: &[Option<TakeShare>]) -> Self {
@@ -200,7 +200,7 @@ impl Joint {
         let spreads = self.variances.map(f64::sqrt) - before.map(f64::sqrt);
         let mut of_takes = parts.iter().zip(&of_means);
         let mut moved: f64 = step.amax().max(spreads.amax());
-        self.best = Some(Reached {
+        self.best = Some(BestSoFar {
             mean: self.mean.clone(),
             asked: self.asked.clone(),
             objective: if spreads.amax() > 0.0 {
@@ -256,7 +256,7 @@ impl Joint {
     }
 
     fn likeliest(&self, parts: &[PlainPart]) -> DVector<f64> {
-        let field = Field {
+        let field = TakesField {
             parameters: &self.parameters,
             mean: &self.mean,
             parts,

@@ -16,7 +16,7 @@ const SAME: f64 = 1e-10;
 const AT_ENDS: f64 = 3.841_459;
 
 /// The takes' models, and what is known beforehand.
-pub(super) struct Field<'a> {
+pub(super) struct TakesField<'a> {
     pub(super) parameters: &'a [JointParameter],
     pub(super) mean: &'a DVector<f64>,
     pub(super) parts: &'a [PlainPart],
@@ -31,7 +31,7 @@ struct Likely {
     fisher: DMatrix<f64>,
 }
 
-impl Field<'_> {
+impl TakesField<'_> {
     /// The likeliest variances, from some on.
     pub(super) fn likeliest(&self, start: &DVector<f64>) -> DVector<f64> {
         let drawn: Vec<usize> = self.drawn().collect();

@@ -61,6 +61,7 @@ impl Read {
             let [first_s, last_s] = stream.extent_s();
             SourceLine {
                 file: self.name(),
+                sha256: None,
                 topic: self.topics[at].clone(),
                 poses: stream.readings.len(),
                 dropped: stream.unusable + stream.repeated,

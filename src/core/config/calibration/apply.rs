@@ -169,7 +169,7 @@ impl Merger<'_> {
             return self.merge(table, &from, &here);
         }
         drop(present);
-        if matches!(key, "body" | "track") {
+        if matches!(key, "body" | "track" | "event") {
             return Err(format!(
                 "{} is about the {key} {name:?}, which the scene does not have, expected one of {}",
                 self.file,

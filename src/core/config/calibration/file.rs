@@ -28,7 +28,7 @@ pub enum CalibrationError {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
-    /// `pivot`, `plane`, `rest`, `gravity` or `clock`.
+    /// `pivot`, `plane`, `rest`, `gravity`, `clock` or `fit`.
     pub kind: String,
     /// Program and version that made it.
     pub program: String,
@@ -53,6 +53,9 @@ pub struct Calibration {
 pub struct SourceLine {
     /// The recording.
     pub file: String,
+    /// SHA-256 of it, in hexadecimal digits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sha256: Option<String>,
     /// The topic in it.
     pub topic: String,
     /// Poses that were used.
@@ -98,6 +101,9 @@ pub struct SceneValues {
     /// `[[surface]]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub surface: Vec<SurfaceValue>,
+    /// `[[event]]`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub event: Vec<EventValues>,
     /// `[[free]]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub free: Vec<FreeValue>,
@@ -116,6 +122,15 @@ impl SceneValues {
 pub struct BodyValues {
     /// Which body.
     pub name: String,
+    /// `restitution`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub restitution: Option<f64>,
+    /// `friction`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<f64>,
+    /// `tangential_restitution`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tangential_restitution: Option<f64>,
     /// `tracker_sd_mm`, of a held body.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tracker_sd_mm: Option<f64>,
@@ -128,6 +143,23 @@ pub struct BodyValues {
     /// `[[body.track]]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub track: Vec<TrackValues>,
+}
+
+/// Keys of an `[[event]]` that has this name.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct EventValues {
+    /// Which event.
+    pub name: String,
+    /// `restitution`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub restitution: Option<f64>,
+    /// `friction`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<f64>,
+    /// `tangential_restitution`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tangential_restitution: Option<f64>,
 }
 
 /// Keys of a `[[body.track]]` that has this name.
@@ -164,13 +196,13 @@ pub struct SurfaceValue {
     pub normal: [f64; 3],
 }
 
-/// A `[[free]]` quantity of a clock, whose prior is the interval.
+/// A `[[free]]` quantity, whose prior is how well it was found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FreeValue {
     /// Its name.
     pub quantity: String,
-    /// `initial`: of an offset in milliseconds, of a rate in percent.
+    /// `initial`, in the unit of the quantity in scenes: of an offset milliseconds, of a rate percent.
     pub initial: f64,
     /// `prior_sd`, in the same unit.
     pub prior_sd: f64,

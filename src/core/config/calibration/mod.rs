@@ -5,6 +5,6 @@ mod file;
 
 pub use apply::{CalibratedScene, scene_calibrated};
 pub use file::{
-    BodyValues, CalibratedQuantity, Calibration, CalibrationError, FreeValue, SceneValues,
-    SourceLine, SurfaceValue, TrackValues, TrackerValue, body_axis,
+    BodyValues, CalibratedQuantity, Calibration, CalibrationError, EventValues, FreeValue,
+    SceneValues, SourceLine, SurfaceValue, TrackValues, TrackerValue, body_axis,
 };

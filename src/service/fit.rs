@@ -1,0 +1,292 @@
+//! One answer from many takes: reads each, asks it what it says of what all share until the answer stands, and tells it.
+
+mod keys;
+mod take;
+mod tell;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::{bail, ensure};
+use rayon::prelude::*;
+
+use super::output::{refuse_present, write_file_of, write_new_file};
+use super::working::Working;
+use crate::config::share;
+use crate::jointly::{JointParameter, JointSearch, Turn};
+use crate::motion::{Scene, TakeShare};
+use crate::page::fit_page;
+use crate::report::{FitLine, FitTakeLine};
+
+use self::take::Member;
+use self::tell::ToldFit;
+
+/// Greatest number of times that takes which had no motion are tried at the answer.
+const AGAIN: usize = 2;
+
+/// Which takes are held out.
+#[derive(Clone, Debug, PartialEq)]
+pub enum HoldOut {
+    /// A share of them, by their contents.
+    Share(f64),
+    /// These files.
+    Files(Vec<PathBuf>),
+}
+
+/// The input of [`fit`].
+#[derive(Clone, Debug)]
+pub struct FitJob {
+    /// The recordings.
+    pub inputs: Vec<PathBuf>,
+    /// Scene file for all; each recording's own scene by default.
+    pub scene: Option<PathBuf>,
+    /// AskedNames of quantities that have one value in all takes,
+    pub shared: Vec<String>,
+    /// and of those that each take draws about a mean.
+    pub drawn: Vec<String>,
+    /// Takes by which the answer is tried and not made.
+    pub hold_out: Option<HoldOut>,
+    /// Where the answer goes as a calibration; by default it is only returned.
+    pub output: Option<PathBuf>,
+    /// Where a page of it goes, if anywhere; a page that is there is replaced.
+    pub page: Option<PathBuf>,
+}
+
+/// The result of [`fit`].
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The answer.
+    pub line: FitLine,
+    /// What became of each take, in the order of the inputs.
+    pub takes: Vec<FitTakeLine>,
+    /// The answer as a calibration.
+    pub toml: String,
+}
+
+/// Finds what takes share. The answer is the same for any order of the files and any number of threads.
+///
+/// Fails where names mean nothing in the scenes, where no take says anything, and where the takes have no joint optimum.
+pub fn fit(job: &FitJob) -> anyhow::Result<Fitted> {
+    if let Some(output) = &job.output {
+        refuse_present(output)?;
+    }
+    let names = AskedNames::of(job)?;
+    let mut members = read(job, &names)?;
+    let parameters = agreed(&members, &names)?;
+    let held_out = hold_out(job, &members)?;
+    for (member, held_out) in members.iter_mut().zip(&held_out) {
+        member.is_held_out = *held_out;
+    }
+    let (joint, shares) = solved(parameters, &mut members)?;
+    let told = ToldFit::of(job, &joint, &shares, &mut members)?;
+    let toml = told.calibration.to_toml()?;
+    let made_of = made_of(job);
+    if let Some(output) = &job.output {
+        write_new_file(output, toml.as_bytes(), &made_of)?;
+    }
+    if let Some(page) = &job.page {
+        let html = fit_page(&told.line, &told.takes);
+        write_file_of(page, html.as_bytes(), &made_of)?;
+    }
+    Ok(Fitted {
+        line: told.line,
+        takes: told.takes,
+        toml,
+    })
+}
+
+/// What is asked for.
+struct AskedNames {
+    all: Vec<String>,
+    /// How many of them are shared: the others are drawn.
+    shared: usize,
+}
+
+impl AskedNames {
+    fn of(job: &FitJob) -> anyhow::Result<Self> {
+        let all = [job.shared.clone(), job.drawn.clone()].concat();
+        ensure!(
+            !all.is_empty(),
+            "nothing is asked for, expected --shared NAME or --drawn NAME, such as --shared bounce.restitution"
+        );
+        Ok(Self {
+            shared: job.shared.len(),
+            all,
+        })
+    }
+
+    /// Frees what they mean in a scene: places of the parameters, and how many of them are shared.
+    fn free(&self, scene: &mut Scene) -> anyhow::Result<(Vec<usize>, usize)> {
+        let (shared, _) = self.all.split_at(self.shared);
+        let wrong = |message: String| anyhow::anyhow!(message);
+        let shared = share(&mut scene.clone(), shared).map_err(wrong)?;
+        let all = share(scene, &self.all).map_err(wrong)?;
+        Ok((all, shared.len()))
+    }
+}
+
+fn made_of(job: &FitJob) -> Vec<&Path> {
+    let files = job.inputs.iter().chain(&job.scene);
+    files.map(PathBuf::as_path).collect()
+}
+
+/// All inputs, in the order of their contents, so that sums have one order.
+fn read(job: &FitJob, names: &AskedNames) -> anyhow::Result<Vec<Member>> {
+    let working = Working::of(job.inputs.len());
+    let listed = match &job.hold_out {
+        Some(HoldOut::Files(files)) => &files[..],
+        _ => &[],
+    };
+    let others = listed.iter().filter(|file| !job.inputs.contains(file));
+    let inputs: Vec<&PathBuf> = job.inputs.iter().chain(others).collect();
+    let mut members: Vec<Member> = inputs
+        .par_iter()
+        .enumerate()
+        .map(|(place, input)| {
+            let member = Member::read(place, input, job.scene.as_deref(), names);
+            working.done();
+            member
+        })
+        .collect();
+    members.sort_by(|a, b| a.order().cmp(&b.order()));
+    let mut known: BTreeMap<String, String> = BTreeMap::new();
+    for member in &mut members {
+        let name = member.file.clone();
+        if let Some(other) = known.get(&member.sha256) {
+            member.is_the_same_as(other);
+        } else if !member.sha256.is_empty() {
+            known.insert(member.sha256.clone(), name);
+        }
+    }
+    Ok(members)
+}
+
+/// The parameters as the takes' scenes have them, which must agree.
+fn agreed(members: &[Member], names: &AskedNames) -> anyhow::Result<Vec<JointParameter>> {
+    let mut known: Option<(&Member, Vec<JointParameter>)> = None;
+    for member in members {
+        let Ok(asked) = &member.asked else { continue };
+        let parameters = asked.parameters();
+        match &known {
+            None => known = Some((member, parameters)),
+            Some((first, agreed)) if *agreed != parameters => {
+                let differing = agreed.iter().zip(&parameters);
+                let differing = differing.filter(|(a, b)| a != b).map(|(a, _)| &a.name);
+                let differing: Vec<&str> = differing.map(String::as_str).collect();
+                bail!(
+                    "the scenes of {} and {} differ in {}, expected the same value, bounds and prior in all: --scene FILE",
+                    first.file,
+                    member.file,
+                    differing.join(", ")
+                );
+            }
+            Some(_) => {}
+        }
+    }
+    let Some((_, parameters)) = known else {
+        let first = members.iter().find_map(|of| of.asked.as_ref().err());
+        bail!(
+            "no take says anything of {}{}",
+            names.all.join(", "),
+            first.map_or(String::new(), |why| format!(": {why}"))
+        );
+    };
+    Ok(parameters)
+}
+
+/// Which takes are held out. By a share these are evenly spread in the order of the contents, which is as good as drawn.
+fn hold_out(job: &FitJob, members: &[Member]) -> anyhow::Result<Vec<bool>> {
+    let held: Vec<bool> = match &job.hold_out {
+        None => vec![false; members.len()],
+        Some(HoldOut::Files(files)) => {
+            let is_listed = |of: &Member| files.iter().any(|file| *file == of.path);
+            members.iter().map(is_listed).collect()
+        }
+        Some(HoldOut::Share(share)) => {
+            let mut next = 0_usize;
+            let each = members.iter().map(|of| {
+                if of.asked.is_err() {
+                    return false;
+                }
+                next += 1;
+                let before = ((next - 1) as f64 * share).floor();
+                (next as f64 * share).floor() > before
+            });
+            each.collect()
+        }
+    };
+    if job.hold_out.is_some() {
+        let of = |is_held: bool| {
+            let mut all = members.iter().zip(&held);
+            all.any(|(of, held)| of.asked.is_ok() && *held == is_held)
+        };
+        ensure!(
+            of(true) && of(false),
+            "no take is left to hold out, or none to fit, expected some of each: more takes, or another --hold-out"
+        );
+    }
+    Ok(held)
+}
+
+/// The joint optimum, with what the takes say there.
+fn solved(
+    parameters: Vec<JointParameter>,
+    members: &mut [Member],
+) -> anyhow::Result<(JointSearch, Vec<Option<TakeShare>>)> {
+    let own: Vec<Option<TakeShare>> = members
+        .par_iter_mut()
+        .map(|member| member.fitting()?.own())
+        .collect();
+    let mut joint = JointSearch::new(parameters, &own);
+    for round in 0..=AGAIN {
+        let shares = searched(&mut joint, members)?;
+        if round == AGAIN || !tried_again(&mut joint, members) {
+            return Ok((joint, shares));
+        }
+    }
+    unreachable!("the last round returns")
+}
+
+fn searched(
+    joint: &mut JointSearch,
+    members: &mut [Member],
+) -> anyhow::Result<Vec<Option<TakeShare>>> {
+    loop {
+        let asked = &*joint;
+        let shares: Vec<Option<TakeShare>> = members
+            .par_iter_mut()
+            .enumerate()
+            .map(|(take, member)| match asked.is_taking_part(take) {
+                true => member.fitting()?.at(&asked.asked(take)),
+                false => None,
+            })
+            .collect();
+        match joint.turn(&shares) {
+            Turn::Again => {}
+            Turn::Found => return Ok(shares),
+            Turn::Lost => bail!(
+                "no joint optimum was found in {} rounds: too few takes have a motion at the same values, expected \
+                 fewer --shared quantities, or each take's own by --drawn",
+                joint.rounds()
+            ),
+        }
+    }
+}
+
+/// Tries takes that had no motion before from the answer on, and takes those in that have one; whether there are any.
+fn tried_again(joint: &mut JointSearch, members: &mut [Member]) -> bool {
+    let asked = &*joint;
+    let values = asked.values();
+    let found: Vec<bool> = members
+        .par_iter_mut()
+        .enumerate()
+        .map(|(take, member)| {
+            let is_out = !asked.is_taking_part(take);
+            is_out && member.fitting().is_some_and(|of| of.again(&values))
+        })
+        .collect();
+    for (take, _) in found.iter().enumerate().filter(|(_, found)| **found) {
+        joint.take_in(take);
+    }
+    found.contains(&true)
+}

@@ -1,0 +1,193 @@
+//! A take among those of which one answer is made.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::DVector;
+
+use super::AskedNames;
+use crate::jointly::JointParameter;
+use crate::motion::{Scene, Stamp, TakeEvent, TakeShare};
+use crate::pipeline::{Pipeline, SharedTake};
+use crate::service::deadline::Deadline;
+use crate::service::finish::{lost, open, warnings};
+use crate::service::panics::guarded;
+use crate::service::provenance::sha256;
+use crate::service::words::words;
+use crate::write::has_estimate;
+
+/// A recording with what is asked of it.
+pub(super) struct Member {
+    /// Among the inputs.
+    pub(super) place: usize,
+    pub(super) path: PathBuf,
+    /// As it was named.
+    pub(super) file: String,
+    /// Of its bytes; empty where it cannot be read.
+    pub(super) sha256: String,
+    /// What it says, or why it says nothing.
+    pub(super) asked: Result<AskedTake, String>,
+    /// Whether it is an output among the inputs, or the same as another: nothing is wrong with it.
+    pub(super) is_left_alone: bool,
+    pub(super) is_held_out: bool,
+    /// What was lost of it, and what to know.
+    pub(super) notes: Vec<String>,
+}
+
+/// A take that can be asked.
+pub(super) struct AskedTake {
+    /// The scene as it was read,
+    pub(super) given: Scene,
+    /// and with what is shared free.
+    pub(super) scene: Scene,
+    /// Places of these parameters in it, the shared ones first.
+    pub(super) parameters: Vec<usize>,
+    /// Those of them that the scene frees by itself,
+    pub(super) was_free: Vec<usize>,
+    /// How many are shared: the others are drawn.
+    pub(super) shared: usize,
+    /// What the scene says of them.
+    pub(super) initial: DVector<f64>,
+    /// Its streams, for the answer's account.
+    pub(super) topics: Vec<String>,
+    pub(super) poses: usize,
+    pub(super) dropped: usize,
+    pub(super) first: Stamp,
+    pub(super) long_s: f64,
+    events: Vec<TakeEvent>,
+    /// Its motion, or why it has none.
+    pub(super) motion: Result<SharedTake, String>,
+}
+
+impl Member {
+    /// Reads a recording and finds its motion. Whatever fails is said of this one alone.
+    pub(super) fn read(
+        place: usize,
+        input: &Path,
+        scene: Option<&Path>,
+        names: &AskedNames,
+    ) -> Self {
+        let mut member = Self {
+            place,
+            path: input.to_owned(),
+            file: input.display().to_string(),
+            sha256: String::new(),
+            asked: Err(String::new()),
+            is_left_alone: false,
+            is_held_out: false,
+            notes: Vec::new(),
+        };
+        let asked = guarded(|| member.asked(scene, names));
+        member.asked = asked.map_err(|error| words(&error));
+        member
+    }
+
+    fn asked(&mut self, scene: Option<&Path>, names: &AskedNames) -> anyhow::Result<AskedTake> {
+        let opened = open(&self.path, scene, Deadline::begin(None))?;
+        let recording = &opened.recording;
+        self.sha256 = sha256(recording.container().bytes());
+        if has_estimate(recording.container()) {
+            self.is_left_alone = true;
+            anyhow::bail!("it has an estimate already: an output among the inputs");
+        }
+        let take = recording.take(opened.scene.for_reading())?;
+        let lost = lost(&take.report);
+        let lost = lost.iter().map(|line| format!("lost: {line}"));
+        self.notes = lost.chain(warnings(&take.report)).collect();
+        let given = opened.scene.for_reading().clone();
+        let mut scene = given.clone();
+        let (parameters, shared) = names.free(&mut scene)?;
+        let is_free = |at: &usize| *at < given.parameters.len();
+        let was_free = parameters.iter().copied().filter(is_free).collect();
+        let initial = parameters.iter().map(|at| scene.parameters[*at].initial);
+        let topics = take.report.topics.iter();
+        let stamps = take.events.iter().filter(|event| event.mark().is_none());
+        let stamps = stamps.map(TakeEvent::stamp);
+        let (first, last) = (stamps.clone().min(), stamps.max());
+        let first = first.unwrap_or(Stamp(0));
+        let mut asked = AskedTake {
+            initial: DVector::from_iterator(parameters.len(), initial),
+            parameters,
+            was_free,
+            shared,
+            topics: topics
+                .clone()
+                .filter(|topic| topic.events > 0)
+                .map(|topic| topic.topic.clone())
+                .collect(),
+            poses: take
+                .events
+                .iter()
+                .filter(|event| event.mark().is_none())
+                .count(),
+            dropped: topics.map(|topic| topic.undecodable as usize).sum(),
+            first,
+            long_s: last.map_or(0.0, |last| last.seconds_since(first)),
+            given,
+            scene,
+            events: take.events,
+            motion: Err(String::new()),
+        };
+        asked.motion = asked.found();
+        Ok(asked)
+    }
+
+    /// By the contents, then by the name: the order of the inputs does not matter.
+    pub(super) fn order(&self) -> (&str, &Path) {
+        (&self.sha256, &self.path)
+    }
+
+    /// Leaves it alone: its contents are those of another.
+    pub(super) fn is_the_same_as(&mut self, other: &str) {
+        self.is_left_alone = true;
+        self.asked = Err(format!("the same recording as {other}"));
+    }
+
+    /// What is asked of it, unless it is held out.
+    pub(super) fn fitting(&mut self) -> Option<&mut AskedTake> {
+        let is_held_out = self.is_held_out;
+        self.asked.as_mut().ok().filter(|_| !is_held_out)
+    }
+}
+
+impl AskedTake {
+    pub(super) fn parameters(&self) -> Vec<JointParameter> {
+        let all = self.parameters.iter().enumerate();
+        all.map(|(at, of)| JointParameter::new(&self.scene.parameters[*of], at >= self.shared))
+            .collect()
+    }
+
+    fn found(&self) -> Result<SharedTake, String> {
+        let pipeline = Pipeline::of(self.scene.clone(), self.events.iter().cloned());
+        let found = guarded(|| Ok(pipeline.shared(&self.parameters, &mut ())?));
+        found.map_err(|error| words(&error))
+    }
+
+    /// What it says at its own values.
+    pub(super) fn own(&mut self) -> Option<TakeShare> {
+        let values = self.motion.as_ref().ok()?.motion.values();
+        self.at(&values)
+    }
+
+    /// What it says at values; none where it has no motion.
+    pub(super) fn at(&mut self, values: &DVector<f64>) -> Option<TakeShare> {
+        let take = self.motion.as_mut().ok()?;
+        guarded(|| Ok(take.motion.at(values, &mut ()))).ok()?
+    }
+
+    /// Finds its motion from other values on, where it had none.
+    pub(super) fn again(&mut self, values: &DVector<f64>) -> bool {
+        let places = self.parameters.clone();
+        for (place, value) in places.iter().zip(values.iter()) {
+            let free = &mut self.scene.parameters[*place];
+            free.initial = value.max(free.lower).min(free.upper);
+        }
+        let found = self.found();
+        let before = std::mem::replace(&mut self.motion, found);
+        if self.at(values).is_some() {
+            return true;
+        }
+        // What was said of it at first stays.
+        self.motion = before;
+        false
+    }
+}
