@@ -40,8 +40,9 @@ pub use self::preview::{Preview, Previewed};
 use self::rest::Sought;
 pub use self::search::SearchWork;
 pub use self::seen::{MarkProposal, SeenTake};
-pub use self::shared::{NoShare, SharedTake};
+pub use self::shared::NoShare;
 use self::stages::doubts;
+pub use crate::estimate::SharedMotion;
 use crate::estimate::{LastState, Solved};
 use crate::motion::{
     Counted, Diagnosis, Doubt, End, EventKind, Fits, Mark, Observer, Phase, Scene, SeenPhase,

@@ -21,8 +21,11 @@ use crate::report::{FitLine, FitTakeLine};
 use self::take::Member;
 use self::tell::ToldFit;
 
-/// Greatest number of times that takes which had no motion are tried at the answer.
-const AGAIN: usize = 2;
+/// Greatest number of times that takes which had no motion, or stand out, are tried from the answer on.
+const AGAIN: usize = 3;
+
+/// Takes fit better elsewhere by at least so much of half a sum of squares.
+const TELLING: f64 = 2.0;
 
 /// Which takes are held out.
 #[derive(Clone, Debug, PartialEq)]
@@ -199,7 +202,7 @@ fn hold_out(job: &FitJob, members: &[Member]) -> anyhow::Result<Vec<bool>> {
     let held: Vec<bool> = match &job.hold_out {
         None => vec![false; members.len()],
         Some(HoldOut::Files(files)) => {
-            let is_listed = |of: &Member| files.iter().any(|file| *file == of.path);
+            let is_listed = |of: &Member| files.contains(&of.path);
             members.iter().map(is_listed).collect()
         }
         Some(HoldOut::Share(share)) => {
@@ -238,13 +241,49 @@ fn solved(
         .map(|member| member.fitting()?.own())
         .collect();
     let mut joint = JointSearch::new(parameters, &own);
+    moved_off(&mut joint, members);
     for round in 0..=AGAIN {
         let shares = searched(&mut joint, members)?;
-        if round == AGAIN || !tried_again(&mut joint, members) {
+        if round == AGAIN || !tried_again(&mut joint, &shares, members) {
             return Ok((joint, shares));
         }
     }
     unreachable!("the last round returns")
+}
+
+/// What each take says where it is asked.
+fn asked(joint: &JointSearch, members: &mut [Member]) -> Vec<Option<TakeShare>> {
+    members
+        .par_iter_mut()
+        .enumerate()
+        .map(|(take, member)| match joint.is_taking_part(take) {
+            true => member.fitting()?.at(&joint.asked(take)),
+            false => None,
+        })
+        .collect()
+}
+
+/// Begins elsewhere where takes tell nothing of a parameter from where it begins, as of friction where they stick, and more
+/// elsewhere.
+fn moved_off(joint: &mut JointSearch, members: &mut [Member]) {
+    let shares = asked(joint, members);
+    joint.look(&shares);
+    for parameter in joint.untold() {
+        let tried = joint.elsewhere(parameter).into_iter().map(|elsewhere| {
+            let shares = asked(&elsewhere, members);
+            (elsewhere, shares)
+        });
+        let tried: Vec<(JointSearch, Vec<Option<TakeShare>>)> = tried.collect();
+        let better = tried.into_iter().filter_map(|(elsewhere, there)| {
+            let gain = JointSearch::gain(&shares, &there)?;
+            (gain > TELLING).then_some((gain, elsewhere))
+        });
+        if let Some((_, elsewhere)) = better.max_by(|a, b| a.0.total_cmp(&b.0)) {
+            *joint = elsewhere;
+            let shares = asked(joint, members);
+            joint.look(&shares);
+        }
+    }
 }
 
 fn searched(
@@ -252,15 +291,7 @@ fn searched(
     members: &mut [Member],
 ) -> anyhow::Result<Vec<Option<TakeShare>>> {
     loop {
-        let asked = &*joint;
-        let shares: Vec<Option<TakeShare>> = members
-            .par_iter_mut()
-            .enumerate()
-            .map(|(take, member)| match asked.is_taking_part(take) {
-                true => member.fitting()?.at(&asked.asked(take)),
-                false => None,
-            })
-            .collect();
+        let shares = asked(joint, members);
         match joint.turn(&shares) {
             Turn::Again => {}
             Turn::Found => return Ok(shares),
@@ -273,16 +304,20 @@ fn searched(
     }
 }
 
-/// Tries takes that had no motion before from the answer on, and takes those in that have one; whether there are any.
-fn tried_again(joint: &mut JointSearch, members: &mut [Member]) -> bool {
-    let asked = &*joint;
-    let values = asked.values();
+/// Finds motions anew from the answer on of takes that had none, or that stand out: they may be near another optimum of their
+/// own. Whether any is better.
+fn tried_again(
+    joint: &mut JointSearch,
+    shares: &[Option<TakeShare>],
+    members: &mut [Member],
+) -> bool {
+    let (values, judged) = (joint.values(), joint.judged(shares));
     let found: Vec<bool> = members
         .par_iter_mut()
-        .enumerate()
-        .map(|(take, member)| {
-            let is_out = !asked.is_taking_part(take);
-            is_out && member.fitting().is_some_and(|of| of.again(&values))
+        .zip(&judged)
+        .map(|(member, judged)| {
+            let is_odd = judged.as_ref().is_none_or(|of| !of.standout.is_empty());
+            is_odd && member.fitting().is_some_and(|of| of.again(&values))
         })
         .collect();
     for (take, _) in found.iter().enumerate().filter(|(_, found)| **found) {

@@ -8,15 +8,6 @@ use super::perform::Performed;
 use crate::estimate::SharedMotion;
 use crate::motion::{Cone, Observer, Scene, Verdict};
 
-/// A take whose motion can be asked at values of the quantities that it shares.
-#[derive(Clone, Debug)]
-pub struct SharedTake {
-    /// The motion.
-    pub motion: SharedMotion,
-    /// Whether it was found with these quantities free; otherwise at the values from which it was looked for.
-    pub is_free: bool,
-}
-
 /// Why a take says nothing of what it shares.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum NoShare {
@@ -40,22 +31,24 @@ impl Pipeline {
         &self,
         parameters: &[usize],
         observer: &mut dyn Observer,
-    ) -> Result<SharedTake, NoShare> {
-        if self.scene.joint_trees().next().is_some() {
-            return Err(NoShare::Joined);
+    ) -> Result<SharedMotion, NoShare> {
+        let free = self.shared_in(&self.scene, parameters, observer);
+        match free {
+            Err(NoShare::NotPhysical(_) | NoShare::NoMotion(_)) => {
+                let held = self.shared_held(parameters, observer);
+                // What is said of the take is what was found with them free.
+                held.or(free)
+            }
+            free => free,
         }
-        let motion = |scene: &Scene, observer: &mut dyn Observer| {
-            let Performed { inferred, .. } = self.solved(scene, observer)?;
-            let found = inferred.solved.sharing(parameters);
-            found.ok_or(NoShare::NotPhysical(inferred.solved.estimate.verdict))
-        };
-        let free = motion(&self.scene, observer);
-        if let Ok(motion) = free {
-            return Ok(SharedTake {
-                motion,
-                is_free: true,
-            });
-        }
+    }
+
+    /// The same with these parameters held at their initial values while the motion is found.
+    pub fn shared_held(
+        &self,
+        parameters: &[usize],
+        observer: &mut dyn Observer,
+    ) -> Result<SharedMotion, NoShare> {
         let mut held = self.scene.clone();
         for parameter in parameters {
             let free = &mut held.parameters[*parameter];
@@ -66,11 +59,20 @@ impl Pipeline {
             both.any(|of| parameters.contains(of))
         };
         held.cones.retain(|cone| !is_shared(cone));
-        // What is said of the take is what was found with them free.
-        let motion = motion(&held, observer).or(free)?;
-        Ok(SharedTake {
-            motion,
-            is_free: false,
-        })
+        self.shared_in(&held, parameters, observer)
+    }
+
+    fn shared_in(
+        &self,
+        scene: &Scene,
+        parameters: &[usize],
+        observer: &mut dyn Observer,
+    ) -> Result<SharedMotion, NoShare> {
+        if scene.joint_trees().next().is_some() {
+            return Err(NoShare::Joined);
+        }
+        let Performed { inferred, .. } = self.solved(scene, observer)?;
+        let found = inferred.solved.sharing(parameters);
+        found.ok_or(NoShare::NotPhysical(inferred.solved.estimate.verdict))
     }
 }

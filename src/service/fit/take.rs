@@ -7,7 +7,7 @@ use nalgebra::DVector;
 use super::AskedNames;
 use crate::jointly::JointParameter;
 use crate::motion::{Scene, Stamp, TakeEvent, TakeShare};
-use crate::pipeline::{Pipeline, SharedTake};
+use crate::pipeline::{Pipeline, SharedMotion};
 use crate::service::deadline::Deadline;
 use crate::service::finish::{lost, open, warnings};
 use crate::service::panics::guarded;
@@ -55,7 +55,7 @@ pub(super) struct AskedTake {
     pub(super) long_s: f64,
     events: Vec<TakeEvent>,
     /// Its motion, or why it has none.
-    pub(super) motion: Result<SharedTake, String>,
+    pub(super) motion: Result<SharedMotion, String>,
 }
 
 impl Member {
@@ -156,38 +156,67 @@ impl AskedTake {
             .collect()
     }
 
-    fn found(&self) -> Result<SharedTake, String> {
-        let pipeline = Pipeline::of(self.scene.clone(), self.events.iter().cloned());
+    fn pipeline(&self, scene: &Scene) -> Pipeline {
+        Pipeline::of(scene.clone(), self.events.iter().cloned())
+    }
+
+    fn found(&self) -> Result<SharedMotion, String> {
+        let pipeline = self.pipeline(&self.scene);
         let found = guarded(|| Ok(pipeline.shared(&self.parameters, &mut ())?));
         found.map_err(|error| words(&error))
     }
 
     /// What it says at its own values.
     pub(super) fn own(&mut self) -> Option<TakeShare> {
-        let values = self.motion.as_ref().ok()?.motion.values();
+        let values = self.motion.as_ref().ok()?.values();
         self.at(&values)
     }
 
     /// What it says at values; none where it has no motion.
     pub(super) fn at(&mut self, values: &DVector<f64>) -> Option<TakeShare> {
-        let take = self.motion.as_mut().ok()?;
-        guarded(|| Ok(take.motion.at(values, &mut ()))).ok()?
+        share(self.motion.as_mut().ok()?, values)
     }
 
-    /// Finds its motion from other values on, where it had none.
+    /// Finds its motion anew from other values on, with what is shared held there and with it free, and keeps that if it had
+    /// none or if that is nearer to the samples there; whether it does.
     pub(super) fn again(&mut self, values: &DVector<f64>) -> bool {
-        let places = self.parameters.clone();
-        for (place, value) in places.iter().zip(values.iter()) {
-            let free = &mut self.scene.parameters[*place];
+        let mut scene = self.scene.clone();
+        for (place, value) in self.parameters.iter().zip(values.iter()) {
+            let free = &mut scene.parameters[*place];
             free.initial = value.max(free.lower).min(free.upper);
         }
-        let found = self.found();
-        let before = std::mem::replace(&mut self.motion, found);
-        if self.at(values).is_some() {
-            return true;
+        let pipeline = self.pipeline(&scene);
+        let ways = [Pipeline::shared_held, Pipeline::shared];
+        let found = ways.iter().filter_map(|way| {
+            let found = guarded(|| Ok(way(&pipeline, &self.parameters, &mut ())?));
+            let mut motion = found.ok()?;
+            let share = share(&mut motion, values)?;
+            Some((far(&share), motion))
+        });
+        let best = found.min_by(|a, b| a.0.total_cmp(&b.0));
+        let before = self.at(values).map_or(f64::INFINITY, |share| far(&share));
+        match best {
+            Some((there, motion)) if there < before - NEARER => {
+                self.motion = Ok(motion);
+                true
+            }
+            _ => false,
         }
-        // What was said of it at first stays.
-        self.motion = before;
-        false
     }
+}
+
+/// A motion is nearer by so much in the logarithms of its residuals.
+const NEARER: f64 = 0.1;
+
+/// How far a motion is from its samples: the sum of the logarithms of its residuals.
+fn far(share: &TakeShare) -> f64 {
+    let residuals = share.residual.iter().zip(share.samples);
+    let residuals = residuals.filter(|(_, samples)| *samples > 0);
+    residuals
+        .map(|(residual, _)| residual.max(1e-12).ln())
+        .sum()
+}
+
+fn share(motion: &mut SharedMotion, values: &DVector<f64>) -> Option<TakeShare> {
+    guarded(|| Ok(motion.at(values, &mut ()))).ok()?
 }
