@@ -21,8 +21,11 @@ use crate::report::{FitLine, FitTakeLine};
 use self::take::Member;
 use self::tell::ToldFit;
 
-/// Greatest number of times that takes which had no motion, or stand out, are tried from the answer on.
-const AGAIN: usize = 3;
+/// Greatest number of times that takes which had no motion, or are far from it, are tried from the answer on.
+const AGAIN: usize = 4;
+
+/// A take is far whose residual is so many times that of the nearest quarter.
+const FARTHER: f64 = 2.0;
 
 /// Takes fit better elsewhere by at least so much of half a sum of squares.
 const TELLING: f64 = 2.0;
@@ -304,20 +307,46 @@ fn searched(
     }
 }
 
-/// Finds motions anew from the answer on of takes that had none, or that stand out: they may be near another optimum of their
-/// own. Whether any is better.
+/// The residuals of the nearest quarter of takes: positions and orientations.
+struct UsualResidual([f64; 2]);
+
+impl UsualResidual {
+    fn of(shares: &[Option<TakeShare>]) -> Self {
+        Self([0, 1].map(|kind| {
+            let residuals = shares.iter().flatten().map(|of| of.residual[kind]);
+            let mut residuals: Vec<f64> = residuals.collect();
+            residuals.sort_by(f64::total_cmp);
+            residuals.get(residuals.len() / 4).copied().unwrap_or(0.0)
+        }))
+    }
+
+    /// Whether a take is so much farther from its motion that it may be near another optimum.
+    fn is_far(&self, share: &TakeShare) -> bool {
+        let mut kinds = share.residual.iter().zip(self.0);
+        kinds.any(|(residual, usual)| *residual > FARTHER * usual)
+    }
+}
+
+/// Finds motions anew from the answer on of takes that had none, or that are farther from it than others: they may be near
+/// another optimum of their own. Whether any is better.
 fn tried_again(
     joint: &mut JointSearch,
     shares: &[Option<TakeShare>],
     members: &mut [Member],
 ) -> bool {
-    let (values, judged) = (joint.values(), joint.judged(shares));
+    let usual = UsualResidual::of(shares);
+    let asked = &*joint;
     let found: Vec<bool> = members
         .par_iter_mut()
-        .zip(&judged)
-        .map(|(member, judged)| {
-            let is_odd = judged.as_ref().is_none_or(|of| !of.standout.is_empty());
-            is_odd && member.fitting().is_some_and(|of| of.again(&values))
+        .zip(shares)
+        .enumerate()
+        .map(|(take, (member, share))| {
+            let is_far = share.as_ref().is_none_or(|share| usual.is_far(share));
+            let values = match share {
+                Some(_) => asked.asked(take),
+                None => asked.values(),
+            };
+            is_far && member.fitting().is_some_and(|of| of.again(&values))
         })
         .collect();
     for (take, _) in found.iter().enumerate().filter(|(_, found)| **found) {

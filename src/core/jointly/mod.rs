@@ -24,6 +24,8 @@ pub mod parameter;
 pub mod part;
 pub mod search;
 pub mod spread;
+#[cfg(test)]
+mod tests;
 pub mod weak;
 
 pub use interval::{JointInterval, Spreads};

@@ -35,7 +35,7 @@ impl Pipeline {
         let free = self.shared_in(&self.scene, parameters, observer);
         match free {
             Err(NoShare::NotPhysical(_) | NoShare::NoMotion(_)) => {
-                let held = self.shared_held(parameters, observer);
+                let held = self.shared_held(parameters, parameters, observer);
                 // What is said of the take is what was found with them free.
                 held.or(free)
             }
@@ -43,23 +43,24 @@ impl Pipeline {
         }
     }
 
-    /// The same with these parameters held at their initial values while the motion is found.
+    /// The same with some of these parameters held at their initial values while the motion is found.
     pub fn shared_held(
         &self,
         parameters: &[usize],
+        held: &[usize],
         observer: &mut dyn Observer,
     ) -> Result<SharedMotion, NoShare> {
-        let mut held = self.scene.clone();
-        for parameter in parameters {
-            let free = &mut held.parameters[*parameter];
+        let mut scene = self.scene.clone();
+        for parameter in held {
+            let free = &mut scene.parameters[*parameter];
             (free.lower, free.upper) = (free.initial, free.initial);
         }
         let is_shared = |cone: &Cone| {
             let mut both = cone.parameters.iter();
-            both.any(|of| parameters.contains(of))
+            both.any(|of| held.contains(of))
         };
-        held.cones.retain(|cone| !is_shared(cone));
-        self.shared_in(&held, parameters, observer)
+        scene.cones.retain(|cone| !is_shared(cone));
+        self.shared_in(&scene, parameters, observer)
     }
 
     fn shared_in(

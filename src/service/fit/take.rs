@@ -178,7 +178,7 @@ impl AskedTake {
     }
 
     /// Finds its motion anew from other values on, with what is shared held there and with it free, and keeps that if it had
-    /// none or if that is nearer to the samples there; whether it does.
+    /// none or if that is nearer to the samples with the shared values; whether it does.
     pub(super) fn again(&mut self, values: &DVector<f64>) -> bool {
         let mut scene = self.scene.clone();
         for (place, value) in self.parameters.iter().zip(values.iter()) {
@@ -186,14 +186,17 @@ impl AskedTake {
             free.initial = value.max(free.lower).min(free.upper);
         }
         let pipeline = self.pipeline(&scene);
-        let ways = [Pipeline::shared_held, Pipeline::shared];
-        let found = ways.iter().filter_map(|way| {
-            let found = guarded(|| Ok(way(&pipeline, &self.parameters, &mut ())?));
+        let (parameters, held) = (&self.parameters, &self.parameters[..self.shared]);
+        let ways = [held, &[]].into_iter().filter_map(|held| {
+            let found = guarded(|| Ok(pipeline.shared_held(parameters, held, &mut ())?));
             let mut motion = found.ok()?;
-            let share = share(&mut motion, values)?;
-            Some((far(&share), motion))
+            // What is drawn is its own.
+            let mut there = motion.values();
+            let shared = values.rows(0, self.shared);
+            there.rows_mut(0, self.shared).copy_from(&shared);
+            Some((far(&share(&mut motion, &there)?), motion))
         });
-        let best = found.min_by(|a, b| a.0.total_cmp(&b.0));
+        let best = ways.min_by(|a, b| a.0.total_cmp(&b.0));
         let before = self.at(values).map_or(f64::INFINITY, |share| far(&share));
         match best {
             Some((there, motion)) if there < before - NEARER => {

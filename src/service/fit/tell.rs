@@ -3,9 +3,9 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::FitJob;
 use super::keys::{ToldValue, keys};
 use super::take::{AskedTake, Member};
+use super::{FitJob, UsualResidual};
 use crate::config::{CalibratedQuantity, Calibration, SourceLine, Unit};
 use crate::jointly::{JointInterval, JointSearch, Standout, TakeJudged};
 use crate::motion::TakeShare;
@@ -38,7 +38,7 @@ impl ToldFit {
         shares: &[Option<TakeShare>],
         members: &mut [Member],
     ) -> anyhow::Result<Self> {
-        let compared = compared(joint, members);
+        let compared = compared(joint, shares, members);
         let (intervals, correlations) = joint.intervals(shares);
         let judged = joint.judged(shares);
         let first = members.iter().find_map(|of| of.asked.as_ref().ok());
@@ -89,8 +89,12 @@ const LEFT_OUT: &str = "left_out";
 const LEFT_ALONE: &str = "left_alone";
 
 /// What the takes that are held out say.
-fn compared(joint: &JointSearch, members: &mut [Member]) -> Vec<Option<Compared>> {
-    let values = joint.values();
+fn compared(
+    joint: &JointSearch,
+    shares: &[Option<TakeShare>],
+    members: &mut [Member],
+) -> Vec<Option<Compared>> {
+    let (values, usual) = (joint.values(), UsualResidual::of(shares));
     members
         .par_iter_mut()
         .map(|member| {
@@ -99,11 +103,15 @@ fn compared(joint: &JointSearch, members: &mut [Member]) -> Vec<Option<Compared>
             }
             let asked = member.asked.as_mut().ok()?;
             let initial = asked.initial.clone();
-            if asked.motion.is_err() && !asked.again(&values) {
-                return None;
+            let mut by_fit = asked.at(&values);
+            let is_far = by_fit.as_ref().is_none_or(|share| usual.is_far(share));
+            if is_far && asked.again(&values) {
+                by_fit = asked.at(&values);
             }
+            // The scene's own values are given the same chance.
+            asked.again(&initial);
             Some(Compared {
-                by_fit: asked.at(&values),
+                by_fit,
                 by_scene: asked.at(&initial),
             })
         })
