@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{bail, ensure};
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::output::{refuse_present, write_file_of, write_new_file};
@@ -336,7 +337,7 @@ fn tried_again(
 ) -> bool {
     let usual = UsualResidual::of(shares);
     let asked = &*joint;
-    let found: Vec<bool> = members
+    let found: Vec<Option<DVector<f64>>> = members
         .par_iter_mut()
         .zip(shares)
         .enumerate()
@@ -346,11 +347,15 @@ fn tried_again(
                 Some(_) => asked.asked(take),
                 None => asked.values(),
             };
-            is_far && member.fitting().is_some_and(|of| of.again(&values))
+            let asked = member.fitting().filter(|_| is_far);
+            asked.and_then(|of| of.again(&values))
         })
         .collect();
-    for (take, _) in found.iter().enumerate().filter(|(_, found)| **found) {
-        joint.take_in(take);
+    let is_any = found.iter().any(Option::is_some);
+    for (take, there) in found.into_iter().enumerate() {
+        if let Some(there) = there {
+            joint.take_in(take, &there);
+        }
     }
-    found.contains(&true)
+    is_any
 }

@@ -35,7 +35,7 @@ pub struct TakeJudged {
 /// Why a take stands out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Standout {
-    /// Its own value of a parameter is far from the joint one: how many robust standard deviations.
+    /// Its own value of a parameter is far from those of others: how many robust standard deviations.
     Differs {
         /// The parameter, by its index.
         parameter: usize,
@@ -128,21 +128,28 @@ impl JointSearch {
         each.collect()
     }
 
-    /// How far own values are off the joint ones, in robust deviations of how far those of all takes are.
+    /// How far own values are off their median, which a few that differ do not move, in robust deviations of how far those of
+    /// all takes are.
     fn offs(&self, own: &[Vec<Option<[f64; 2]>>]) -> Vec<Vec<Option<f64>>> {
-        let count = self.parameters().len();
-        let scaled = |take: &Vec<Option<[f64; 2]>>, at: usize, usual: f64| {
-            let [value, sd] = take[at]?;
-            Some((value - self.mean()[at]).abs() / sd.hypot(usual))
-        };
-        let usual = (0..count).map(|at| {
-            let offs = own.iter().filter_map(|take| take[at]);
-            let offs = offs.map(|[value, _]| (value - self.mean()[at]).abs());
-            median(offs.collect()).unwrap_or(0.0) / NORMAL_MEDIAN
+        let usual = (0..self.parameters().len()).map(|at| {
+            let values = || {
+                own.iter()
+                    .filter_map(|take| take[at])
+                    .map(|[value, _]| value)
+            };
+            let middle = median(values().collect()).unwrap_or(0.0);
+            let offs = values().map(|value| (value - middle).abs());
+            [
+                middle,
+                median(offs.collect()).unwrap_or(0.0) / NORMAL_MEDIAN,
+            ]
         });
-        let usual: Vec<f64> = usual.collect();
+        let usual: Vec<[f64; 2]> = usual.collect();
         let each = own.iter().map(|take| {
-            let of_take = (0..count).map(|at| scaled(take, at, usual[at]));
+            let of_take = take.iter().zip(&usual).map(|(own, [middle, usual])| {
+                let [value, sd] = (*own)?;
+                Some((value - middle).abs() / sd.hypot(*usual))
+            });
             of_take.collect()
         });
         each.collect()

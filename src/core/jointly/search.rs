@@ -17,6 +17,8 @@ const ROUNDS: usize = 60;
 const HALVINGS: usize = 12;
 /// An objective that is greater by less than this share is the same.
 const ROUNDING: f64 = 1e-11;
+/// Median size of a standard normal number.
+const NORMAL_MEDIAN: f64 = 0.674_49;
 /// How much directions that are not determined are held, relative to the greatest information.
 const HELD: f64 = 1e6;
 
@@ -73,7 +75,7 @@ impl JointSearch {
                 parameter.inside(median.unwrap_or(parameter.initial / parameter.length))
             }),
         );
-        Self {
+        let mut begun = Self {
             variances: DVector::zeros(parameters.len()),
             asked: vec![mean.clone(); own.len()],
             taking: own.iter().map(Option::is_some).collect(),
@@ -84,6 +86,27 @@ impl JointSearch {
             best: None,
             halvings: 0,
             rounds: 0,
+        };
+        begun.begin_apart(own);
+        begun
+    }
+
+    /// Asks each take at its own values of what is drawn: from the mean it may be led to another optimum.
+    fn begin_apart(&mut self, own: &[Option<TakeShare>]) {
+        let drawn = self.parameters.iter().enumerate();
+        for (at, parameter) in drawn.filter(|(_, of)| of.is_drawn) {
+            let [lower, upper] = parameter.bounds();
+            let value =
+                |share: &TakeShare| (share.values[at] / parameter.length).clamp(lower, upper);
+            for (asked, share) in self.asked.iter_mut().zip(own) {
+                asked[at] = share.as_ref().map_or(asked[at], value);
+            }
+            let offs = own
+                .iter()
+                .flatten()
+                .map(|of| ((value(of) - self.mean[at]).abs(), 1.0));
+            let off = median(offs.collect()).unwrap_or(0.0);
+            self.variances[at] = (off / NORMAL_MEDIAN).powi(2);
         }
     }
 
@@ -107,10 +130,10 @@ impl JointSearch {
         self.taking[take]
     }
 
-    /// Takes a take in that has a share at the joint values.
-    pub fn take_in(&mut self, take: usize) {
+    /// Takes a take in that has a share at values, SI: the joint ones, and its own of what is drawn.
+    pub fn take_in(&mut self, take: usize, values: &DVector<f64>) {
         self.taking[take] = true;
-        self.asked[take] = self.mean.clone();
+        self.asked[take] = values.component_div(&lengths(&self.parameters));
         (self.best, self.halvings, self.rounds) = (None, 0, 0);
     }
 
@@ -150,7 +173,9 @@ impl JointSearch {
         let begun = values.into_iter().map(|value| {
             let mut begun = self.clone();
             begun.mean[parameter] = value;
-            begun.asked = vec![begun.mean.clone(); self.asked.len()];
+            for asked in &mut begun.asked {
+                asked[parameter] = value;
+            }
             begun
         });
         begun.collect()

@@ -178,8 +178,9 @@ impl AskedTake {
     }
 
     /// Finds its motion anew from other values on, with what is shared held there and with it free, and keeps that if it had
-    /// none or if that is nearer to the samples with the shared values; whether it does.
-    pub(super) fn again(&mut self, values: &DVector<f64>) -> bool {
+    /// none or if that is nearer to the samples with the shared values: then the values at which it is so, those of what is
+    /// drawn its own.
+    pub(super) fn again(&mut self, values: &DVector<f64>) -> Option<DVector<f64>> {
         let mut scene = self.scene.clone();
         for (place, value) in self.parameters.iter().zip(values.iter()) {
             let free = &mut scene.parameters[*place];
@@ -194,17 +195,13 @@ impl AskedTake {
             let mut there = motion.values();
             let shared = values.rows(0, self.shared);
             there.rows_mut(0, self.shared).copy_from(&shared);
-            Some((far(&share(&mut motion, &there)?), motion))
+            Some((far(&share(&mut motion, &there)?), (motion, there)))
         });
         let best = ways.min_by(|a, b| a.0.total_cmp(&b.0));
         let before = self.at(values).map_or(f64::INFINITY, |share| far(&share));
-        match best {
-            Some((there, motion)) if there < before - NEARER => {
-                self.motion = Ok(motion);
-                true
-            }
-            _ => false,
-        }
+        let (_, (motion, there)) = best.filter(|(there, _)| *there < before - NEARER)?;
+        self.motion = Ok(motion);
+        Some(there)
     }
 }
 

@@ -105,7 +105,7 @@ fn compared(
             let initial = asked.initial.clone();
             let mut by_fit = asked.at(&values);
             let is_far = by_fit.as_ref().is_none_or(|share| usual.is_far(share));
-            if is_far && asked.again(&values) {
+            if is_far && asked.again(&values).is_some() {
                 by_fit = asked.at(&values);
             }
             // The scene's own values are given the same chance.
