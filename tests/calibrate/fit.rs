@@ -17,7 +17,12 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 /// Names that most tests share.
-const SHARED: [&str; 4] = ["ball.restitution", "ball.friction", "gravity", "ball.tracker"];
+const SHARED: [&str; 4] = [
+    "ball.restitution",
+    "ball.friction",
+    "gravity",
+    "ball.tracker",
+];
 
 fn truth(seed: u64) -> BallTruth {
     BallTruth::drawn(&mut ChaCha8Rng::seed_from_u64(seed))
@@ -47,11 +52,14 @@ fn motions(truth: &BallTruth, count: usize, seed: u64) -> (Vec<JointParameter>, 
 
 fn asked(joint: &JointSearch, motions: &mut [SharedMotion]) -> Vec<Option<TakeShare>> {
     let each = motions.iter_mut().enumerate();
-    each.map(|(at, motion)| motion.at(&joint.asked(at), &mut ())).collect()
+    each.map(|(at, motion)| motion.at(&joint.asked(at), &mut ()))
+        .collect()
 }
 
 fn solved(parameters: Vec<JointParameter>, motions: &mut [SharedMotion]) -> JointSearch {
-    let own = motions.iter_mut().map(|motion| motion.at(&motion.values(), &mut ()));
+    let own = motions
+        .iter_mut()
+        .map(|motion| motion.at(&motion.values(), &mut ()));
     let own: Vec<Option<TakeShare>> = own.collect();
     let mut joint = JointSearch::new(parameters, &own);
     loop {
@@ -89,13 +97,21 @@ fn gradient_and_curvature_of_a_share_are_those_of_differences() {
             let slope = (more.cost - less.cost) / (2.0 * step);
             let size = share.curvature[(at, at)] * step;
             let off = (slope - share.gradient[at]).abs();
-            assert!(off < 1e-4 * size.max(share.gradient[at].abs()), "{}: {off}", parameter.name);
+            assert!(
+                off < 1e-4 * size.max(share.gradient[at].abs()),
+                "{}: {off}",
+                parameter.name
+            );
             let change = (more.gradient - less.gradient) / (2.0 * step);
             for other in 0..parameters.len() {
                 let of = share.curvature[(other, at)];
                 let size = (share.curvature[(at, at)] * share.curvature[(other, other)]).sqrt();
                 let off = (change[other] - of).abs();
-                assert!(off < 1e-4 * size, "{} {other}: {off} of {size}", parameter.name);
+                assert!(
+                    off < 1e-4 * size,
+                    "{} {other}: {off} of {size}",
+                    parameter.name
+                );
             }
         }
     }
@@ -161,7 +177,9 @@ fn ten_takes_have_the_optimum_of_ten_bodies_in_one_problem() {
         })
     });
     let all: Vec<TakeEvent> = poses.chain(marks.cloned()).collect();
-    let stacked = Pipeline::of(together, all).estimate(&mut ()).expect("an estimate");
+    let stacked = Pipeline::of(together, all)
+        .estimate(&mut ())
+        .expect("an estimate");
     let alone: Scene = scene(&body("ball"));
     let parameters: Vec<usize> = (0..3).collect();
     let motions = flights.into_iter().map(|events| {
@@ -170,8 +188,16 @@ fn ten_takes_have_the_optimum_of_ten_bodies_in_one_problem() {
     });
     let mut motions: Vec<SharedMotion> = motions.collect();
     let free = alone.parameters.iter();
-    let joint = solved(free.map(|of| JointParameter::new(of, false)).collect(), &mut motions);
-    for (of, value) in stacked.estimate.parameters.iter().zip(joint.values().iter()) {
+    let joint = solved(
+        free.map(|of| JointParameter::new(of, false)).collect(),
+        &mut motions,
+    );
+    for (of, value) in stacked
+        .estimate
+        .parameters
+        .iter()
+        .zip(joint.values().iter())
+    {
         let off = (of.value - value).abs();
         assert!(off < 1e-8 * 9.81, "{}: {} and {value}", of.name, of.value);
     }
@@ -182,27 +208,42 @@ fn fit(folder: &Path, threads: usize, arguments: &[String]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_enact"));
     command.arg("fit").args(arguments).current_dir(folder);
     let threads = threads.to_string();
-    command.env("RAYON_NUM_THREADS", threads).env("NO_COLOR", "1");
+    command
+        .env("RAYON_NUM_THREADS", threads)
+        .env("NO_COLOR", "1");
     command.output().expect("it runs")
 }
 
 fn words(files: &[PathBuf], more: &[&str]) -> Vec<String> {
     let files = files.iter().map(|file| file.display().to_string());
-    files.chain(more.iter().map(|word| (*word).to_owned())).collect()
+    files
+        .chain(more.iter().map(|word| (*word).to_owned()))
+        .collect()
 }
 
 /// The lines of a schema.
 fn lines(output: &Output, schema: &str) -> Vec<Value> {
     let said = String::from_utf8_lossy(&output.stdout);
-    let lines = said.lines().map(|line| serde_json::from_str(line).expect("a line"));
-    lines.filter(|line: &Value| line["schema"] == schema).collect()
+    let lines = said
+        .lines()
+        .map(|line| serde_json::from_str(line).expect("a line"));
+    lines
+        .filter(|line: &Value| line["schema"] == schema)
+        .collect()
 }
 
 #[test]
 fn the_answer_is_the_same_to_the_bit_for_any_order_and_number_of_threads() {
     let folder = TempDir::new().expect("folder");
     let mut files = truth(61).write(6, 62, folder.path()).expect("takes");
-    let shared = ["--shared", "ball.restitution,gravity", "--drawn", "ball.tracker.z", "--format", "ndjson"];
+    let shared = [
+        "--shared",
+        "ball.restitution,gravity",
+        "--drawn",
+        "ball.tracker.z",
+        "--format",
+        "ndjson",
+    ];
     let one = fit(folder.path(), 1, &words(&files, &shared));
     files.reverse();
     files.swap(0, 3);
@@ -218,11 +259,27 @@ fn an_answer_holds_the_truth_on_takes_held_out_and_goes_into_the_scene() {
     let truth = truth(71);
     let files = truth.write(10, 72, folder.path()).expect("takes");
     let names = SHARED.join(",");
-    let arguments = ["--shared", &names, "--hold-out", "0.3", "-o", "fit.toml", "--page", "fit.html"];
-    let made = fit(folder.path(), 2, &words(&files, &[&arguments[..], &["--format", "ndjson"]].concat()));
+    let arguments = [
+        "--shared",
+        &names,
+        "--hold-out",
+        "0.3",
+        "-o",
+        "fit.toml",
+        "--page",
+        "fit.html",
+    ];
+    let made = fit(
+        folder.path(),
+        2,
+        &words(&files, &[&arguments[..], &["--format", "ndjson"]].concat()),
+    );
     assert_eq!(made.status.code(), Some(0), "{made:?}");
     let line = &lines(&made, "enact.fit/1")[0];
-    assert_eq!((&line["takes"], &line["held_out"]["takes"]), (&7.into(), &3.into()));
+    assert_eq!(
+        (&line["takes"], &line["held_out"]["takes"]),
+        (&7.into(), &3.into())
+    );
     assert_eq!(line["held_out"]["better"], 3);
     for (name, value) in truth.values() {
         let parameters = line["parameters"].as_array().expect("a list");
@@ -233,15 +290,31 @@ fn an_answer_holds_the_truth_on_takes_held_out_and_goes_into_the_scene() {
         assert!(off < 6.0 * sd, "{name}: {off} of {sd}");
     }
     let page = fs::read_to_string(folder.path().join("fit.html")).expect("a page");
-    for part in ["Parameters", "held out", "Correlations", "Residuals", "take_0003.mcap"] {
+    for part in [
+        "Parameters",
+        "held out",
+        "Correlations",
+        "Residuals",
+        "take_0003.mcap",
+    ] {
         assert!(page.contains(part), "{part}");
     }
     let toml = fs::read_to_string(folder.path().join("fit.toml")).expect("a file");
     assert_eq!(toml.matches("sha256 = ").count(), 10);
     fs::write(folder.path().join("scene.toml"), BallTruth::scene_toml()).expect("write");
     let mut command = Command::new(env!("CARGO_BIN_EXE_enact"));
-    command.args(["scene", "calibrated", "scene.toml", "fit.toml", "-o", "fitted.toml"]);
-    let put = command.current_dir(folder.path()).output().expect("it runs");
+    command.args([
+        "scene",
+        "calibrated",
+        "scene.toml",
+        "fit.toml",
+        "-o",
+        "fitted.toml",
+    ]);
+    let put = command
+        .current_dir(folder.path())
+        .output()
+        .expect("it runs");
     assert!(put.status.success(), "{put:?}");
     let fitted = fs::read_to_string(folder.path().join("fitted.toml")).expect("a scene");
     let fitted = scene_from_toml(&fitted).expect("a scene");
@@ -261,13 +334,28 @@ fn bad_files_cost_a_line_each_and_what_is_no_take_is_left_alone() {
     let twice = folder.path().join("zz_twice.mcap");
     fs::copy(&files[1], &twice).expect("copy");
     files.extend([bad, twice]);
-    let said = fit(folder.path(), 2, &words(&files, &["--shared", "ball.restitution,gravity", "--format", "ndjson"]));
+    let said = fit(
+        folder.path(),
+        2,
+        &words(
+            &files,
+            &["--shared", "ball.restitution,gravity", "--format", "ndjson"],
+        ),
+    );
     assert_eq!(said.status.code(), Some(3), "{said:?}");
     let takes = lines(&said, "enact.fit_take/1");
-    let parts: Vec<&str> = takes.iter().map(|of| of["part"].as_str().expect("text")).collect();
+    let parts: Vec<&str> = takes
+        .iter()
+        .map(|of| of["part"].as_str().expect("text"))
+        .collect();
     assert_eq!(parts[..5], ["fitted"; 5]);
     assert_eq!(parts[5..], ["left_out", "left_alone"]);
-    assert!(takes[6]["why"].as_str().expect("why").contains("same recording"));
+    assert!(
+        takes[6]["why"]
+            .as_str()
+            .expect("why")
+            .contains("same recording")
+    );
     let line = &lines(&said, "enact.fit/1")[0];
     assert_eq!((&line["takes"], &line["left_out"]), (&5.into(), &1.into()));
 }
@@ -280,9 +368,15 @@ fn what_is_not_asked_or_means_nothing_is_refused_and_no_gain_is_said() {
     for (arguments, why) in [
         (&[][..], "nothing is asked for"),
         (&["--shared", "ball.bounciness"][..], "unknown quantity"),
-        (&["--shared", "gravity.z", "--drawn", "gravity"][..], "named twice"),
+        (
+            &["--shared", "gravity.z", "--drawn", "gravity"][..],
+            "named twice",
+        ),
         (&["--shared", "ball.mass"][..], "cancels"),
-        (&["--shared", "gravity", "--hold-out", "0.1"][..], "no take is left"),
+        (
+            &["--shared", "gravity", "--hold-out", "0.1"][..],
+            "no take is left",
+        ),
     ] {
         let said = fit(folder.path(), 2, &words(&files, arguments));
         assert_eq!(said.status.code(), Some(1), "{arguments:?}: {said:?}");
@@ -300,10 +394,21 @@ fn what_is_not_asked_or_means_nothing_is_refused_and_no_gain_is_said() {
             let files = truth.write(4, 900 + seed, &right).expect("takes");
             let toml = BallTruth::scene_toml().replace("friction = 0.3", "friction = 0.1");
             fs::write(right.join("scene.toml"), toml).expect("write");
-            let more = ["--scene", "scene.toml", "--shared", "gravity", "--hold-out", "0.5"];
+            let more = [
+                "--scene",
+                "scene.toml",
+                "--shared",
+                "gravity",
+                "--hold-out",
+                "0.5",
+            ];
             let said = fit(&right, 2, &words(&files, &more));
             let words = String::from_utf8_lossy(&said.stderr).into_owned();
-            assert_eq!(said.status.code() == Some(3), words.contains("no gain"), "{words}");
+            assert_eq!(
+                said.status.code() == Some(3),
+                words.contains("no gain"),
+                "{words}"
+            );
             said.status.code()
         })
         .collect();

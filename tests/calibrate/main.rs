@@ -1,5 +1,6 @@
 //! Calibrations: how often their intervals hold the truth, and what the command writes.
 
 mod command;
+mod fit;
 mod intervals;
 mod performed;

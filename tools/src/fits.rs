@@ -81,6 +81,24 @@ impl BallTruth {
         }
     }
 
+    /// What is true of them by the names of free quantities, SI.
+    pub fn values(&self) -> Vec<(String, f64)> {
+        let laws = [
+            ("restitution", self.restitution),
+            ("friction", self.friction),
+        ];
+        let laws = laws.map(|(name, over)| (format!("ball.{name}"), over.mean));
+        let axes = ["x", "y", "z"].into_iter().enumerate();
+        let vectors = axes.flat_map(|(at, axis)| {
+            let gravity = (format!("gravity.{axis}"), self.gravity_m_s2[at]);
+            [
+                gravity,
+                (format!("ball.tracker.{axis}"), self.tracker_m[at]),
+            ]
+        });
+        laws.into_iter().chain(vectors).collect()
+    }
+
     /// The scene of all takes.
     pub fn scene_toml() -> String {
         format!(
@@ -150,6 +168,36 @@ impl BallTruth {
         let marked_s = touch_s + 0.008 * normal();
         let last_s = (count - 1) as f64 / rate_hz;
         for (name, time_s) in [("go", 0.0), ("bounce", marked_s), ("end", last_s)] {
+            events.push(TakeEvent::Mark(Mark {
+                stamp: stamp(time_s),
+                event: Some(name.to_owned()),
+            }));
+        }
+        events
+    }
+
+    /// A flight alone of that long, seen at the centre.
+    pub fn flight(&self, long_s: f64, random: &mut ChaCha8Rng) -> Vec<TakeEvent> {
+        let v = Vector3::from_fn(|_, _| random.random_range(-1.0..1.0));
+        let w = Vector3::from_fn(|_, _| random.random_range(-8.0..8.0));
+        let rate_hz = 120.0;
+        let count = (long_s * rate_hz) as usize + 1;
+        let mut normal = || -> f64 { random.sample(StandardNormal) };
+        let poses = (0..count).map(|index| {
+            let now_s = index as f64 / rate_hz;
+            let noise = Vector3::from_fn(|_, _| self.noise[0] * normal());
+            let turn = Vector3::from_fn(|_, _| self.noise[1] * normal());
+            let fallen_m = v * now_s + self.gravity_m_s2 * (0.5 * now_s * now_s);
+            let q = UnitQuaternion::from_scaled_axis(w * now_s) * so3::exp(&turn);
+            TakeEvent::Pose {
+                track: TrackIndex(0),
+                stream: 0,
+                sample: PoseSample::new(stamp(now_s), fallen_m + noise, [q.i, q.j, q.k, q.w]),
+            }
+        });
+        let mut events: Vec<TakeEvent> = poses.collect();
+        let last_s = (count - 1) as f64 / rate_hz;
+        for (name, time_s) in [("go", 0.0), ("end", last_s)] {
             events.push(TakeEvent::Mark(Mark {
                 stamp: stamp(time_s),
                 event: Some(name.to_owned()),
