@@ -6,7 +6,7 @@ use nalgebra::DVector;
 
 use super::AskedNames;
 use crate::jointly::JointParameter;
-use crate::motion::{Scene, Stamp, TakeEvent, TakeShare};
+use crate::motion::{Quantity, Scene, Stamp, TakeEvent, TakeShare};
 use crate::pipeline::{Pipeline, SharedMotion};
 use crate::service::deadline::Deadline;
 use crate::service::finish::{lost, open, warnings};
@@ -56,6 +56,8 @@ pub(super) struct AskedTake {
     events: Vec<TakeEvent>,
     /// Its motion, or why it has none.
     pub(super) motion: Result<SharedMotion, String>,
+    /// What its scene has in its places already of the values at which that is asked.
+    placed: DVector<f64>,
 }
 
 impl Member {
@@ -106,6 +108,7 @@ impl Member {
         let first = first.unwrap_or(Stamp(0));
         let mut asked = AskedTake {
             initial: DVector::from_iterator(parameters.len(), initial),
+            placed: DVector::zeros(parameters.len()),
             parameters,
             was_free,
             shared,
@@ -168,40 +171,59 @@ impl AskedTake {
 
     /// What it says at its own values.
     pub(super) fn own(&mut self) -> Option<TakeShare> {
-        let values = self.motion.as_ref().ok()?.values();
+        let values = self.motion.as_ref().ok()?.values() + &self.placed;
         self.at(&values)
     }
 
     /// What it says at values; none where it has no motion.
     pub(super) fn at(&mut self, values: &DVector<f64>) -> Option<TakeShare> {
-        share(self.motion.as_mut().ok()?, values)
+        share(self.motion.as_mut().ok()?, values, &self.placed)
     }
 
     /// Finds its motion anew from other values on, with what is shared held there and with it free, and keeps that if it had
     /// none or if that is nearer to the samples with the shared values: then the values at which it is so, those of what is
     /// drawn its own.
     pub(super) fn again(&mut self, values: &DVector<f64>) -> Option<DVector<f64>> {
-        let mut scene = self.scene.clone();
-        for (place, value) in self.parameters.iter().zip(values.iter()) {
-            let free = &mut scene.parameters[*place];
-            free.initial = value.max(free.lower).min(free.upper);
-        }
+        let (scene, placed) = self.scene_at(values)?;
         let pipeline = self.pipeline(&scene);
         let (parameters, held) = (&self.parameters, &self.parameters[..self.shared]);
         let ways = [held, &[]].into_iter().filter_map(|held| {
             let found = guarded(|| Ok(pipeline.shared_held(parameters, held, &mut ())?));
             let mut motion = found.ok()?;
             // What is drawn is its own.
-            let mut there = motion.values();
+            let mut there = motion.values() + &placed;
             let shared = values.rows(0, self.shared);
             there.rows_mut(0, self.shared).copy_from(&shared);
-            Some((far(&share(&mut motion, &there)?), (motion, there)))
+            let far = far(&share(&mut motion, &there, &placed)?);
+            Some((far, (motion, there)))
         });
         let best = ways.min_by(|a, b| a.0.total_cmp(&b.0));
         let before = self.at(values).map_or(f64::INFINITY, |share| far(&share));
         let (_, (motion, there)) = best.filter(|(there, _)| *there < before - NEARER)?;
-        self.motion = Ok(motion);
+        (self.motion, self.placed) = (Ok(motion), placed);
         Some(there)
+    }
+
+    /// The scene that begins at values. Trackers are put where these say, so that samples are cleaned and cut by where the body
+    /// is; what is in its place so is given, too.
+    fn scene_at(&self, values: &DVector<f64>) -> Option<(Scene, DVector<f64>)> {
+        let mut placed = DVector::zeros(values.len());
+        let mut known = Vec::new();
+        for (at, parameter) in self.parameters.iter().enumerate() {
+            let quantity = self.scene.parameters[*parameter].quantity;
+            if matches!(quantity, Quantity::TrackerPosition { .. }) {
+                placed[at] = values[at];
+                known.push((quantity, values[at]));
+            }
+        }
+        let mut scene = self.scene.with_values(&known).ok()?;
+        for (at, parameter) in self.parameters.iter().enumerate() {
+            let free = &mut scene.parameters[*parameter];
+            free.lower -= placed[at];
+            free.upper -= placed[at];
+            free.initial = (values[at] - placed[at]).max(free.lower).min(free.upper);
+        }
+        Some((scene, placed))
     }
 }
 
@@ -217,6 +239,16 @@ fn far(share: &TakeShare) -> f64 {
         .sum()
 }
 
-fn share(motion: &mut SharedMotion, values: &DVector<f64>) -> Option<TakeShare> {
-    guarded(|| Ok(motion.at(values, &mut ()))).ok()?
+/// What a motion says at values, of which its scene has some in their places.
+fn share(
+    motion: &mut SharedMotion,
+    values: &DVector<f64>,
+    placed: &DVector<f64>,
+) -> Option<TakeShare> {
+    let there = values - placed;
+    let share = guarded(|| Ok(motion.at(&there, &mut ()))).ok()??;
+    Some(TakeShare {
+        values: values.clone(),
+        ..share
+    })
 }

@@ -25,6 +25,7 @@ mod durations;
 mod elbow;
 mod failure;
 mod figure;
+mod fit;
 mod flow;
 mod goals;
 mod held;
@@ -128,6 +129,7 @@ const SUBJECTS: &[Subject] = &[
         "slides, rolls, rests, hands and contacts that last",
         phases::run
     ),
+    subject!("fit", "one answer from many takes", fit::run),
     subject!("peers", "general solvers on the same problems", peers::run),
     subject!(
         "methods",

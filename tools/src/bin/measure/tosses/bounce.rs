@@ -3,7 +3,7 @@
 
 use anyhow::Result;
 use enact::config::scene_from_toml;
-use enact::motion::{LinkIndex, Scene, SegmentResidual, Verdict};
+use enact::motion::{LinkIndex, Scene, SegmentResidual, TakeEvent, Verdict};
 use enact::physics::contact::{Contact, Feature};
 use enact::physics::impact::{ContactSet, Law, Side};
 use enact::physics::{Body, State, flow};
@@ -69,6 +69,16 @@ pub fn impact_name(index: usize) -> String {
         0 => "impact".to_owned(),
         later => format!("impact {}", later + 1),
     }
+}
+
+/// The samples of a toss until a place, with marks of impacts and of the end.
+fn taken(toss: &Toss, impacts: &[Touched], end: f64) -> Vec<TakeEvent> {
+    let samples = (end.ceil() as usize).min(toss.poses.len());
+    let names: Vec<String> = (0..impacts.len()).map(impact_name).collect();
+    let places = impacts.iter().map(|impact| impact.place);
+    let mut marks: Vec<(f64, &str)> = places.zip(names.iter().map(String::as_str)).collect();
+    marks.push((samples as f64 - 1.0, "end"));
+    toss.take(RATE_HZ, samples, &marks)
 }
 
 /// Root mean square over some flights \[mm\], \[°\].
@@ -163,15 +173,21 @@ impl Setting {
         first.expect("at least one order")
     }
 
+    /// The first impacts of a toss as a take: the text of its scene with the law free, the scene, samples and marks. `None`
+    /// where no long flight follows them.
+    pub fn first_impact(&self, toss: &Toss) -> Option<(String, Scene, Vec<TakeEvent>)> {
+        let poses = toss.poses.iter();
+        let heights_m: Vec<Vec<f64>> = poses.map(|pose| self.heights_m(pose)).collect();
+        let (impacts, end) = first_impacts(&contacts(&heights_m), toss.poses.len())?;
+        let toml = self.toml_of(&impacts);
+        let scene = scene_from_toml(&toml).ok()?;
+        Some((toml, scene, taken(toss, &impacts, end)))
+    }
+
     /// The estimate of some impacts, each at its corner, and a flight that ends before a place.
     fn bounce_off(&self, toss: &Toss, impacts: &[Touched], end: f64) -> Result<Bounce, String> {
         let scene = self.with_impacts(impacts).map_err(|e| e.to_string())?;
-        let samples = (end.ceil() as usize).min(toss.poses.len());
-        let names: Vec<String> = (0..impacts.len()).map(impact_name).collect();
-        let places = impacts.iter().map(|impact| impact.place);
-        let mut marks: Vec<(f64, &str)> = places.zip(names.iter().map(String::as_str)).collect();
-        marks.push((samples as f64 - 1.0, "end"));
-        let events = toss.take(RATE_HZ, samples, &marks);
+        let events = taken(toss, impacts, end);
         let outcome = estimated(&scene, &events, &mut ()).map_err(|e| e.to_string())?;
         let estimate = &outcome.estimate;
         if estimate.verdict != Verdict::Physical {
@@ -200,6 +216,17 @@ impl Setting {
 
     /// The scene with these impacts, their law free.
     pub fn with_impacts(&self, impacts: &[Touched]) -> Result<Scene> {
+        let mut scene = scene_from_toml(&self.toml_of(impacts))?;
+        for feature in &mut scene.links[LinkIndex(0)].features {
+            if let Feature::Point { point_m, radius_m } = &mut feature.geometry {
+                *point_m *= 1.0 - self.radius_m / HALF_M;
+                *radius_m = self.radius_m;
+            }
+        }
+        Ok(scene)
+    }
+
+    fn toml_of(&self, impacts: &[Touched]) -> String {
         let mut text = self.head.clone();
         for (index, impact) in impacts.iter().enumerate() {
             let name = impact_name(index);
@@ -209,14 +236,7 @@ impl Setting {
                  feature = {corner:?}\nsurface = \"table\"\n"
             );
         }
-        let mut scene = scene_from_toml(&format!("{text}{}{FREE_LAW_TOML}", end_toml("end")))?;
-        for feature in &mut scene.links[LinkIndex(0)].features {
-            if let Feature::Point { point_m, radius_m } = &mut feature.geometry {
-                *point_m *= 1.0 - self.radius_m / HALF_M;
-                *radius_m = self.radius_m;
-            }
-        }
-        Ok(scene)
+        format!("{text}{}{FREE_LAW_TOML}", end_toml("end"))
     }
 
     /// The state of the first flight, and its time.

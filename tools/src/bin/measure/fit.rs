@@ -1,0 +1,279 @@
+//! One answer from many takes: how near it is to the truth, how often its intervals hold, what it takes; and the real tosses of
+//! a cube with half of them held out.
+
+use std::time::Instant;
+
+use anyhow::Result;
+use enact::report::FitLine;
+use enact::service::{FitJob, HoldOut, fit};
+use enact_tools::fits::BallTruth;
+use enact_tools::perform::recording::write_events_of;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+use tempfile::TempDir;
+
+use crate::options::Options;
+use crate::record::Record;
+use crate::statistics::median;
+use crate::table::{Table, number, percent};
+use crate::tosses::bounce::Setting;
+
+/// Answers of a row.
+const SEEDS: u64 = 25;
+/// How much restitution differs over takes where it does.
+const SPREAD: f64 = 0.04;
+/// Moment of the cube [kg m²].
+const MOMENT_KG_M2: f64 = 8.1e-4;
+
+/// A row of answers.
+#[derive(Clone, Copy)]
+struct Kind {
+    name: &'static str,
+    takes: usize,
+    spread: f64,
+    is_drawn: bool,
+}
+
+const KINDS: [Kind; 5] = [
+    kind("all shared", 10, 0.0, false),
+    kind("all shared", 40, 0.0, false),
+    kind("restitution differs, shared", 20, SPREAD, false),
+    kind("restitution drawn", 10, SPREAD, true),
+    kind("restitution drawn", 40, SPREAD, true),
+];
+
+const fn kind(name: &'static str, takes: usize, spread: f64, is_drawn: bool) -> Kind {
+    Kind {
+        name,
+        takes,
+        spread,
+        is_drawn,
+    }
+}
+
+/// One number of one answer.
+#[derive(Serialize)]
+struct Number {
+    name: String,
+    off: f64,
+    sd: Option<f64>,
+    is_held: Option<bool>,
+    /// Whether the interval of its spread holds.
+    is_spread_held: Option<bool>,
+}
+
+/// One answer.
+#[derive(Serialize)]
+struct FitAnswer {
+    seed: u64,
+    /// None where there is no answer.
+    numbers: Vec<Number>,
+    left_out: usize,
+    standing_out: usize,
+    /// Wall time for each take \[s\].
+    seconds: f64,
+}
+
+fn answer(kind: Kind, seed: u64) -> Result<FitAnswer> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut truth = BallTruth::drawn(&mut random);
+    truth.restitution.sd = kind.spread;
+    let folder = TempDir::new()?;
+    let inputs = truth.write(kind.takes, seed ^ 0xf17, folder.path())?;
+    let list = |names: &str| names.split(',').map(str::to_owned).collect::<Vec<String>>();
+    let (shared, drawn) = match kind.is_drawn {
+        true => (
+            "ball.friction,gravity,ball.tracker",
+            list("ball.restitution"),
+        ),
+        false => (
+            "ball.restitution,ball.friction,gravity,ball.tracker",
+            Vec::new(),
+        ),
+    };
+    let begun = Instant::now();
+    let fitted = fit(&FitJob {
+        inputs,
+        scene: None,
+        shared: list(shared),
+        drawn,
+        hold_out: None,
+        output: None,
+        page: None,
+    });
+    let seconds = begun.elapsed().as_secs_f64() / kind.takes as f64;
+    let Ok(fitted) = fitted else {
+        return Ok(FitAnswer {
+            seed,
+            numbers: Vec::new(),
+            left_out: kind.takes,
+            standing_out: 0,
+            seconds,
+        });
+    };
+    let values = truth.values();
+    let numbers = fitted.line.parameters.iter().filter_map(|of| {
+        let (_, value) = values.iter().find(|(name, _)| *name == of.name)?;
+        let holds = |[lower, upper]: [f64; 2], value: f64| lower <= value && value <= upper;
+        Some(Number {
+            name: of.name.clone(),
+            off: of.value - value,
+            sd: of.sd,
+            is_held: of.interval.map(|ends| holds(ends, *value)),
+            is_spread_held: of.spread.map(|of| holds(of.interval, kind.spread)),
+        })
+    });
+    let takes = fitted.takes.iter();
+    Ok(FitAnswer {
+        seed,
+        numbers: numbers.collect(),
+        left_out: fitted.line.left_out,
+        standing_out: takes.filter(|of| !of.stands_out.is_empty()).count(),
+        seconds,
+    })
+}
+
+/// Runs it.
+pub fn run(options: &Options, record: &mut Record) -> Result<()> {
+    let header = [
+        "takes of a ball",
+        "number",
+        "answers",
+        "none",
+        "restitution off: median",
+        "friction",
+        "gravity, m/s²",
+        "tracker, mm",
+        "in 95 % intervals",
+        "restitution in its",
+        "spread in its",
+        "takes left out",
+        "time for a take, ms",
+    ];
+    let mut table = Table::new("fit", "", &header);
+    let mut all = Vec::new();
+    for kind in KINDS {
+        let row = format!("{}, {}", kind.name, kind.takes);
+        if !options.wants(&row) {
+            continue;
+        }
+        let answers = options.seeds(SEEDS).map(|seed| answer(kind, seed));
+        let answers: Vec<FitAnswer> = answers.collect::<Result<_>>()?;
+        table.row(cells(kind, &answers));
+        eprintln!("  {row}");
+        all.push((row, answers));
+    }
+    record.table(table);
+    record.numbers("fit", &all)?;
+    tosses(options, record)
+}
+
+fn cells(kind: Kind, answers: &[FitAnswer]) -> Vec<String> {
+    let numbers = || answers.iter().flat_map(|of| &of.numbers);
+    let off = |part: &str, factor: f64| {
+        let of = numbers().filter(|of| of.name.contains(part));
+        number(median(
+            &of.map(|of| of.off.abs() * factor).collect::<Vec<_>>(),
+        ))
+    };
+    let held = |part: &str, of: fn(&Number) -> Option<bool>| {
+        let all = numbers().filter(|of| of.name.contains(part));
+        let all: Vec<bool> = all.filter_map(of).collect();
+        percent(all.iter().filter(|held| **held).count(), all.len())
+    };
+    let left_out: usize = answers.iter().map(|of| of.left_out).sum();
+    let seconds: Vec<f64> = answers.iter().map(|of| of.seconds * 1e3).collect();
+    vec![
+        kind.name.to_owned(),
+        kind.takes.to_string(),
+        answers.len().to_string(),
+        answers
+            .iter()
+            .filter(|of| of.numbers.is_empty())
+            .count()
+            .to_string(),
+        off("restitution", 1.0),
+        off("friction", 1.0),
+        off("gravity", 1.0),
+        off("tracker", 1e3),
+        held("", |of| of.is_held),
+        held("restitution", |of| of.is_held),
+        held("restitution", |of| of.is_spread_held),
+        left_out.to_string(),
+        number(median(&seconds)),
+    ]
+}
+
+/// Restitution and friction of the first impact of the real tosses, half of them held out; nothing where they are not there.
+fn tosses(options: &Options, record: &mut Record) -> Result<()> {
+    let Some((_, mut tosses)) = enact_tools::tosses::all()? else {
+        return Ok(());
+    };
+    if options.quick {
+        tosses.truncate(12);
+    }
+    let setting = Setting::new(MOMENT_KG_M2, 0.0)?;
+    let folder = TempDir::new()?;
+    let mut inputs = Vec::new();
+    for toss in &tosses {
+        let Some((toml, scene, events)) = setting.first_impact(toss) else {
+            continue;
+        };
+        let path = folder.path().join(format!("toss_{:03}.mcap", toss.number));
+        write_events_of(&scene, &toml, &events, &path)?;
+        inputs.push(path);
+    }
+    let header = [
+        "what is asked",
+        "value",
+        "95 %",
+        "spread over tosses",
+        "tosses fitted",
+        "left out",
+        "held out: residual",
+        "with restitution 0.3 and friction 0.15",
+        "nearer in",
+        "time for a toss, ms",
+    ];
+    let mut table = Table::new("tosses", "", &header);
+    let mut said: Vec<FitLine> = Vec::new();
+    let laws = ["cube.restitution".to_owned(), "cube.friction".to_owned()];
+    for (shared, drawn) in [(laws.to_vec(), Vec::new()), (Vec::new(), laws.to_vec())] {
+        let begun = Instant::now();
+        let fitted = fit(&FitJob {
+            inputs: inputs.clone(),
+            scene: None,
+            shared,
+            drawn,
+            hold_out: Some(HoldOut::Share(0.5)),
+            output: None,
+            page: None,
+        })?;
+        let each_ms = 1e3 * begun.elapsed().as_secs_f64() / inputs.len() as f64;
+        let line = fitted.line;
+        let held = line.held_out.unwrap_or_default();
+        for of in &line.parameters {
+            let ends = of.interval.map_or("–".to_owned(), |[lower, upper]| {
+                format!("{} to {}", number(lower), number(upper))
+            });
+            let spread = of.spread.map_or("–".to_owned(), |of| number(of.sd));
+            let kind = if of.is_drawn { "drawn" } else { "shared" };
+            table.row([
+                format!("{}, {kind}", of.name),
+                number(of.value),
+                ends,
+                spread,
+                line.takes.to_string(),
+                line.left_out.to_string(),
+                held.by_fit.words(),
+                held.by_scene.words(),
+                format!("{} of {}", held.better, held.takes),
+                number(each_ms),
+            ]);
+        }
+        said.push(line);
+    }
+    record.table(table);
+    record.numbers("tosses", &said)
+}
