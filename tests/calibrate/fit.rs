@@ -98,7 +98,7 @@ fn gradient_and_curvature_of_a_share_are_those_of_differences() {
             let size = share.curvature[(at, at)] * step;
             let off = (slope - share.gradient[at]).abs();
             assert!(
-                off < 1e-4 * size.max(share.gradient[at].abs()),
+                off <= 1e-4 * size.max(share.gradient[at].abs()),
                 "{}: {off}",
                 parameter.name
             );
@@ -108,7 +108,7 @@ fn gradient_and_curvature_of_a_share_are_those_of_differences() {
                 let size = (share.curvature[(at, at)] * share.curvature[(other, other)]).sqrt();
                 let off = (change[other] - of).abs();
                 assert!(
-                    off < 1e-4 * size,
+                    off <= 1e-4 * size,
                     "{} {other}: {off} of {size}",
                     parameter.name
                 );

@@ -13,8 +13,12 @@ const SAME: f64 = 1e-9;
 /// Greatest step, in lengths: takes are curved.
 const FARTHEST: f64 = 0.5;
 /// Greatest number of rounds, and how often one step may be halved.
-const ROUNDS: usize = 60;
+const ROUNDS: usize = 150;
 const HALVINGS: usize = 12;
+/// How often for a take that says nothing.
+const FOR_SILENT: usize = 2;
+/// Where takes have kinks, as where friction begins to stick, steps get short without end: one so short is near enough.
+const NEAR: f64 = 1e-3;
 /// An objective that is greater by less than this share is the same.
 const ROUNDING: f64 = 1e-11;
 /// Median size of a standard normal number.
@@ -50,6 +54,10 @@ pub struct JointSearch {
     best: Option<BestSoFar>,
     halvings: usize,
     rounds: usize,
+    /// How far the last step goes, in lengths.
+    moved: f64,
+    /// Whether it ended near the optimum only.
+    is_near_only: bool,
 }
 
 /// The best place so far.
@@ -86,6 +94,8 @@ impl JointSearch {
             best: None,
             halvings: 0,
             rounds: 0,
+            moved: f64::INFINITY,
+            is_near_only: false,
         };
         begun.begin_apart(own);
         begun
@@ -196,6 +206,11 @@ impl JointSearch {
         self.rounds
     }
 
+    /// Whether it ended near the optimum only, and how far its last step went, in lengths.
+    pub fn near_only(&self) -> Option<f64> {
+        self.is_near_only.then_some(self.moved)
+    }
+
     /// What the takes do not determine.
     pub fn weak(&self) -> &[WeakDirection] {
         &self.weak
@@ -230,11 +245,19 @@ impl JointSearch {
         let silent = |(share, taking): (&Option<TakeShare>, &bool)| *taking && share.is_none();
         let is_silent = shares.iter().zip(&self.taking).any(silent);
         let parts = self.parts(shares);
-        if parts.is_empty() || self.rounds > ROUNDS {
+        if parts.is_empty() {
             return Turn::Lost;
         }
+        if self.rounds > ROUNDS {
+            self.is_near_only = self.moved < NEAR && !is_silent;
+            return match self.is_near_only {
+                true => Turn::Found,
+                false => Turn::Lost,
+            };
+        }
         let objective = self.objective(&parts);
-        let may_halve = self.best.is_some() && self.halvings < HALVINGS;
+        let halvings = if is_silent { FOR_SILENT } else { HALVINGS };
+        let may_halve = self.best.is_some() && self.halvings < halvings;
         let is_worse = self.best.as_ref().is_some_and(|best| {
             let rounding = ROUNDING * best.objective.abs().max(1.0);
             !(objective <= best.objective + rounding)
@@ -299,6 +322,7 @@ impl JointSearch {
             moved = moved.max((&there - &*asked).amax());
             *asked = there;
         }
+        self.moved = moved;
         match moved < SAME || is_stuck {
             true => Turn::Found,
             false => Turn::Again,
@@ -308,6 +332,7 @@ impl JointSearch {
     /// Goes half the way back.
     fn halve(&mut self) {
         self.halvings += 1;
+        self.moved *= 0.5;
         let Some(best) = &self.best else { return };
         self.mean = 0.5 * (&self.mean + &best.mean);
         for (asked, before) in self.asked.iter_mut().zip(&best.asked) {

@@ -73,6 +73,12 @@ impl ToldFit {
             ..FitLine::default()
         };
         line.against = against(&line);
+        if let Some(moved) = joint.near_only() {
+            line.against.push(format!(
+                "the answer is near the optimum only, the last step was {moved:.1e} of a typical change: takes change abruptly \
+                 there, as where friction begins to stick"
+            ));
+        }
         line.notes = notes(&line, &takes);
         let calibration = calibration(&line, first, members);
         Ok(Self {
