@@ -17,9 +17,10 @@ use crate::config::share;
 use crate::jointly::{JointParameter, JointSearch, Turn};
 use crate::motion::{Scene, TakeShare};
 use crate::page::fit_page;
+use crate::pipeline::SharedMotion;
 use crate::report::{FitLine, FitTakeLine};
 
-use self::take::Member;
+use self::take::{Member, NEARER, far};
 use self::tell::ToldFit;
 
 /// Greatest number of times that takes which had no motion, or are far from it, are tried from the answer on.
@@ -244,6 +245,7 @@ fn solved(
         .par_iter_mut()
         .map(|member| member.fitting()?.own())
         .collect();
+    let own = begun_lesser(&parameters, own, members);
     let mut joint = JointSearch::new(parameters, &own);
     moved_off(&mut joint, members);
     for round in 0..=AGAIN {
@@ -253,6 +255,49 @@ fn solved(
         }
     }
     unreachable!("the last round returns")
+}
+
+/// Finds motions anew from lesser values of a parameter of which most takes by themselves tell nothing, as of friction where
+/// they stick: what is wrong of it is then blamed on others. Those of the value from which takes come nearest to their samples
+/// are kept.
+fn begun_lesser(
+    parameters: &[JointParameter],
+    mut own: Vec<Option<TakeShare>>,
+    members: &mut [Member],
+) -> Vec<Option<TakeShare>> {
+    for (at, parameter) in parameters.iter().enumerate() {
+        let untold = own
+            .iter()
+            .flatten()
+            .filter(|of| parameter.is_untold_by(of, at));
+        if 2 * untold.count() <= own.iter().flatten().count() {
+            continue;
+        }
+        let mut best = NEARER;
+        let mut begun = Vec::new();
+        for value in parameter.lesser() {
+            let found: Vec<Option<(SharedMotion, TakeShare)>> = members
+                .par_iter_mut()
+                .map(|member| member.fitting()?.begun(at, value))
+                .collect();
+            let gains = own.iter().zip(&found).filter_map(|(own, found)| {
+                let (_, share) = found.as_ref()?;
+                Some(own.as_ref().map_or(0.0, far) - far(share))
+            });
+            let mut gains: Vec<f64> = gains.collect();
+            gains.sort_by(f64::total_cmp);
+            let gain = gains.get(gains.len() / 2).copied().unwrap_or(0.0);
+            if gain > best && 2 * gains.len() > own.iter().flatten().count() {
+                (best, begun) = (gain, found);
+            }
+        }
+        for ((member, own), found) in members.iter_mut().zip(&mut own).zip(begun) {
+            if let (Some(asked), Some((motion, share))) = (member.fitting(), found) {
+                (asked.motion, *own) = (Ok(motion), Some(share));
+            }
+        }
+    }
+    own
 }
 
 /// What each take says where it is asked.

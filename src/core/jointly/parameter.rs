@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use crate::motion::FreeParameter;
+use crate::motion::{FreeParameter, TakeShare};
 
 /// A quantity that takes share, in its SI unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +35,20 @@ impl JointParameter {
             length: free.length(),
             is_drawn,
         }
+    }
+
+    /// Other values to begin from, nearer to its least value.
+    pub fn lesser(&self) -> Vec<f64> {
+        let shares = [0.5, 0.25, 0.125].into_iter();
+        let values = shares.map(|share| self.lower + share * (self.initial - self.lower));
+        values
+            .filter(|value| value.is_finite() && *value < self.initial)
+            .collect()
+    }
+
+    /// Whether a take by itself, where it is, tells nothing of it.
+    pub fn is_untold_by(&self, share: &TakeShare, at: usize) -> bool {
+        share.curvature[(at, at)] * self.length * self.length < 1.0
     }
 
     /// Information of its prior, per squared length.

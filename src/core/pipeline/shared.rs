@@ -72,7 +72,9 @@ impl Pipeline {
         if scene.joint_trees().next().is_some() {
             return Err(NoShare::Joined);
         }
-        let Performed { inferred, .. } = self.solved(scene, observer)?;
+        let mut performed = self.solved(scene, observer)?;
+        performed.judge(observer);
+        let Performed { inferred, .. } = performed;
         let found = inferred.solved.sharing(parameters);
         found.ok_or(NoShare::NotPhysical(inferred.solved.estimate.verdict))
     }

@@ -175,6 +175,18 @@ impl AskedTake {
         self.at(&values)
     }
 
+    /// Its motion found from another value of one of the parameters on, with what it says at its own values then.
+    pub(super) fn begun(&self, at: usize, value: f64) -> Option<(SharedMotion, TakeShare)> {
+        let mut scene = self.scene.clone();
+        scene.parameters[self.parameters[at]].initial = value;
+        let pipeline = self.pipeline(&scene);
+        let found = guarded(|| Ok(pipeline.shared(&self.parameters, &mut ())?));
+        let mut motion = found.ok()?;
+        let values = motion.values();
+        let share = share(&mut motion, &values, &self.placed)?;
+        Some((motion, share))
+    }
+
     /// What it says at values; none where it has no motion.
     pub(super) fn at(&mut self, values: &DVector<f64>) -> Option<TakeShare> {
         share(self.motion.as_mut().ok()?, values, &self.placed)
@@ -228,10 +240,10 @@ impl AskedTake {
 }
 
 /// A motion is nearer by so much in the logarithms of its residuals.
-const NEARER: f64 = 0.1;
+pub(super) const NEARER: f64 = 0.1;
 
 /// How far a motion is from its samples: the sum of the logarithms of its residuals.
-fn far(share: &TakeShare) -> f64 {
+pub(super) fn far(share: &TakeShare) -> f64 {
     let residuals = share.residual.iter().zip(share.samples);
     let residuals = residuals.filter(|(_, samples)| *samples > 0);
     residuals

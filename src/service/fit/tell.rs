@@ -8,7 +8,7 @@ use super::take::{AskedTake, Member};
 use super::{FitJob, UsualResidual};
 use crate::config::{CalibratedQuantity, Calibration, SourceLine, Unit};
 use crate::jointly::{JointInterval, JointSearch, Standout, TakeJudged};
-use crate::motion::TakeShare;
+use crate::motion::{Fits, TakeShare};
 use crate::report::units::for_people;
 use crate::report::{
     FitLine, FitTakeLine, FittedLine, HeldOutLine, InfluenceLine, OwnLine, ResidualLine,
@@ -73,6 +73,15 @@ impl ToldFit {
             ..FitLine::default()
         };
         line.against = against(&line);
+        let fitting = members.iter().filter(|of| !of.is_held_out);
+        let fitting = fitting.filter_map(|of| of.asked.as_ref().ok());
+        let misfits = fitting.filter(|of| of.motion.as_ref().is_ok_and(|of| of.fits() == Fits::No));
+        match misfits.count() {
+            0 => {}
+            misfits => line.against.push(format!(
+                "of {misfits} takes the motion does not explain the samples: the model, or an optimum of theirs, is a wrong one"
+            )),
+        }
         if let Some(moved) = joint.near_only() {
             line.against.push(format!(
                 "the answer is near the optimum only, the last step was {moved:.1e} of a typical change: takes change abruptly \
@@ -344,7 +353,11 @@ fn standouts(joint: &JointSearch, member: &Member, judged: &TakeJudged) -> Vec<S
             format!("its {what} are {times:.1} times as far from the motion as those of other takes")
         }
     });
-    each.collect()
+    let asked = member.asked.as_ref().ok();
+    let motion = asked.and_then(|of| of.motion.as_ref().ok());
+    let misfit = motion.filter(|of| of.fits() == Fits::No);
+    let misfit = misfit.map(|_| "its motion does not explain its samples".to_owned());
+    each.chain(misfit).collect()
 }
 
 /// The answer in a file, in the units of scenes.

@@ -8,7 +8,7 @@ use crate::estimate::outcome;
 use crate::estimate::problem::{Bounded, Problem};
 use crate::estimate::schedule::recipe::{self, Recipe, Solution};
 use crate::estimate::terms::context::{Guidance, SolveContext};
-use crate::motion::{Cone, Observer, TakeShare};
+use crate::motion::{Cone, Fits, Observer, TakeShare};
 use crate::optimise::Program;
 use crate::optimise::reduced::Reduced;
 
@@ -23,6 +23,8 @@ pub struct SharedMotion {
     parameters: Vec<usize>,
     /// How all unknowns follow each of them, once that was told.
     responses: Vec<DVector<f64>>,
+    /// Whether the motion as it was found explains its samples.
+    fits: Fits,
 }
 
 impl Solved {
@@ -47,6 +49,7 @@ impl Solved {
             solution: self.solution.clone(),
             parameters: parameters.to_vec(),
             responses: Vec::new(),
+            fits: self.estimate.fits(),
         })
     }
 }
@@ -57,6 +60,11 @@ impl SharedMotion {
         let values = &self.solution.point.parameters;
         let of = self.parameters.iter().map(|parameter| values[*parameter]);
         DVector::from_iterator(self.parameters.len(), of)
+    }
+
+    /// Whether the motion as it was found explains its samples, where that was asked.
+    pub fn fits(&self) -> Fits {
+        self.fits
     }
 
     /// What the take says at other values; `None` where it has no motion there. It stays where it was then.
