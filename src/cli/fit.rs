@@ -7,7 +7,7 @@ use super::process::print_failure;
 use super::table::table;
 use crate::report::units::{bound, decimals, for_people};
 use crate::report::{FitTakeLine, FittedLine};
-use crate::service::{self, FitJob, Fitted};
+use crate::service::{self, FitJob, FittedTakes};
 
 /// Takes of a kind that are listed.
 const TOLD: usize = 12;
@@ -51,7 +51,7 @@ pub(super) fn run(arguments: FitArguments) -> anyhow::Result<Exit> {
     })
 }
 
-fn text(fitted: &Fitted) -> String {
+fn text(fitted: &FittedTakes) -> String {
     let line = &fitted.line;
     let mut text = String::new();
     output::push_line(

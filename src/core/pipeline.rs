@@ -431,6 +431,35 @@ impl Pipeline {
         Prepared::new(scene, &self.events, observer)?.performed(observer)
     }
 
+    /// The take's motion, to be asked what it says of `parameters` of the scene (indices into its list), which are free in it.
+    /// Where none is found so, they are held at their initial values.
+    pub fn shared(
+        &self,
+        parameters: &[usize],
+        observer: &mut dyn Observer,
+    ) -> Result<SharedMotion, NoShare> {
+        let free = self.shared_held(parameters, &[], observer);
+        match free {
+            Err(NoShare::NotPhysical(_) | NoShare::NoMotion(_)) => {
+                let held = self.shared_held(parameters, parameters, observer);
+                // What is said of the take is what was found with them free.
+                held.or(free)
+            }
+            free => free,
+        }
+    }
+
+    /// The same with some of these parameters held at their initial values while the motion is found.
+    pub fn shared_held(
+        &self,
+        parameters: &[usize],
+        held: &[usize],
+        observer: &mut dyn Observer,
+    ) -> Result<SharedMotion, NoShare> {
+        let scene = shared::held(&self.scene, held);
+        shared::shared(&scene, &self.events, parameters, observer)
+    }
+
     /// Number of marks: it determines how often a repeated collision happens.
     pub fn marks(&self) -> usize {
         perform::marks(&self.events)

@@ -1,6 +1,8 @@
 //! One answer from many takes: reads each, asks it what it says of what all share until the answer stands, and tells it.
 
+mod job;
 mod keys;
+mod names;
 mod take;
 mod tell;
 
@@ -13,56 +15,26 @@ use rayon::prelude::*;
 
 use super::output::{refuse_present, write_file_of, write_new_file};
 use super::working::Working;
-use crate::config::share;
-use crate::jointly::{JointParameter, JointSearch, Turn};
-use crate::motion::{Scene, TakeShare};
+use crate::jointly::{JointParameter, JointSearch, SearchTurn};
+use crate::motion::TakeShare;
 use crate::page::fit_page;
 use crate::pipeline::SharedMotion;
 use crate::report::{FitLine, FitTakeLine};
 
-use self::take::{Member, NEARER, far};
+pub use self::job::{FitJob, HoldOut};
+use self::names::AskedNames;
+use self::take::{Member, NEARER, UsualResidual, far};
 use self::tell::ToldFit;
 
 /// Greatest number of times that takes which had no motion, or are far from it, are tried from the answer on.
 const AGAIN: usize = 4;
 
-/// A take is far whose residual is so many times that of the nearest quarter.
-const FARTHER: f64 = 2.0;
-
 /// Takes fit better elsewhere by at least so much of half a sum of squares.
 const TELLING: f64 = 2.0;
 
-/// Which takes are held out.
-#[derive(Clone, Debug, PartialEq)]
-pub enum HoldOut {
-    /// A share of them, by their contents.
-    Share(f64),
-    /// These files.
-    Files(Vec<PathBuf>),
-}
-
-/// The input of [`fit`].
-#[derive(Clone, Debug)]
-pub struct FitJob {
-    /// The recordings.
-    pub inputs: Vec<PathBuf>,
-    /// Scene file for all; each recording's own scene by default.
-    pub scene: Option<PathBuf>,
-    /// AskedNames of quantities that have one value in all takes,
-    pub shared: Vec<String>,
-    /// and of those that each take draws about a mean.
-    pub drawn: Vec<String>,
-    /// Takes by which the answer is tried and not made.
-    pub hold_out: Option<HoldOut>,
-    /// Where the answer goes as a calibration; by default it is only returned.
-    pub output: Option<PathBuf>,
-    /// Where a page of it goes, if anywhere; a page that is there is replaced.
-    pub page: Option<PathBuf>,
-}
-
 /// The result of [`fit`].
 #[derive(Clone, Debug)]
-pub struct Fitted {
+pub struct FittedTakes {
     /// The answer.
     pub line: FitLine,
     /// What became of each take, in the order of the inputs.
@@ -74,7 +46,7 @@ pub struct Fitted {
 /// Finds what takes share. The answer is the same for any order of the files and any number of threads.
 ///
 /// Fails where names mean nothing in the scenes, where no take says anything, and where the takes have no joint optimum.
-pub fn fit(job: &FitJob) -> anyhow::Result<Fitted> {
+pub fn fit(job: &FitJob) -> anyhow::Result<FittedTakes> {
     if let Some(output) = &job.output {
         refuse_present(output)?;
     }
@@ -96,41 +68,11 @@ pub fn fit(job: &FitJob) -> anyhow::Result<Fitted> {
         let html = fit_page(&told.line, &told.takes);
         write_file_of(page, html.as_bytes(), &made_of)?;
     }
-    Ok(Fitted {
+    Ok(FittedTakes {
         line: told.line,
         takes: told.takes,
         toml,
     })
-}
-
-/// What is asked for.
-struct AskedNames {
-    all: Vec<String>,
-    /// How many of them are shared: the others are drawn.
-    shared: usize,
-}
-
-impl AskedNames {
-    fn of(job: &FitJob) -> anyhow::Result<Self> {
-        let all = [job.shared.clone(), job.drawn.clone()].concat();
-        ensure!(
-            !all.is_empty(),
-            "nothing is asked for, expected --shared NAME or --drawn NAME, such as --shared bounce.restitution"
-        );
-        Ok(Self {
-            shared: job.shared.len(),
-            all,
-        })
-    }
-
-    /// Frees what they mean in a scene: places of the parameters, and how many of them are shared.
-    fn free(&self, scene: &mut Scene) -> anyhow::Result<(Vec<usize>, usize)> {
-        let (shared, _) = self.all.split_at(self.shared);
-        let wrong = |message: String| anyhow::anyhow!(message);
-        let shared = share(&mut scene.clone(), shared).map_err(wrong)?;
-        let all = share(scene, &self.all).map_err(wrong)?;
-        Ok((all, shared.len()))
-    }
 }
 
 fn made_of(job: &FitJob) -> Vec<&Path> {
@@ -342,34 +284,14 @@ fn searched(
     loop {
         let shares = asked(joint, members);
         match joint.turn(&shares) {
-            Turn::Again => {}
-            Turn::Found => return Ok(shares),
-            Turn::Lost => bail!(
+            SearchTurn::Again => {}
+            SearchTurn::Found => return Ok(shares),
+            SearchTurn::Lost => bail!(
                 "no joint optimum was found in {} rounds: too few takes have a motion at the same values, expected \
                  fewer --shared quantities, or each take's own by --drawn",
                 joint.rounds()
             ),
         }
-    }
-}
-
-/// The residuals of the nearest quarter of takes: positions and orientations.
-struct UsualResidual([f64; 2]);
-
-impl UsualResidual {
-    fn of(shares: &[Option<TakeShare>]) -> Self {
-        Self([0, 1].map(|kind| {
-            let residuals = shares.iter().flatten().map(|of| of.residual[kind]);
-            let mut residuals: Vec<f64> = residuals.collect();
-            residuals.sort_by(f64::total_cmp);
-            residuals.get(residuals.len() / 4).copied().unwrap_or(0.0)
-        }))
-    }
-
-    /// Whether a take is so much farther from its motion that it may be near another optimum.
-    fn is_far(&self, share: &TakeShare) -> bool {
-        let mut kinds = share.residual.iter().zip(self.0);
-        kinds.any(|(residual, usual)| *residual > FARTHER * usual)
     }
 }
 

@@ -61,7 +61,7 @@ pub use direct::{DaemonAnswer, DirectJob, Direction, Label, direct};
 pub use doctor::{DoctorJob, Finding, Health, doctor};
 pub use export::{DEFAULT_EXPORT_RATE_HZ, ExportFormat, ExportJob, Exported, export};
 pub use finish::beside;
-pub use fit::{FitJob, Fitted, HoldOut, fit};
+pub use fit::{FitJob, FittedTakes, HoldOut, fit};
 pub use from_urdf::{FromUrdfJob, UrdfImported, from_urdf};
 pub use import::{BodyLine, FlightLine, ImportJob, Imported, InputLine, import};
 pub use inspect::{Inspection, MarkLine, PoseLine, TopicLine, inspect};

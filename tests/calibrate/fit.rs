@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use enact::config::{scene_from_toml, share};
-use enact::jointly::{JointParameter, JointSearch, Turn};
+use enact::jointly::{JointParameter, JointSearch, SearchTurn};
 use enact::motion::{Scene, TakeEvent, TakeShare};
 use enact::pipeline::{Pipeline, SharedMotion};
 use enact_tools::fits::{BallTruth, Over};
@@ -65,9 +65,9 @@ fn solved(parameters: Vec<JointParameter>, motions: &mut [SharedMotion]) -> Join
     loop {
         let shares = asked(&joint, motions);
         match joint.turn(&shares) {
-            Turn::Again => {}
-            Turn::Found => return joint,
-            Turn::Lost => panic!("lost"),
+            SearchTurn::Again => {}
+            SearchTurn::Found => return joint,
+            SearchTurn::Lost => panic!("lost"),
         }
     }
 }

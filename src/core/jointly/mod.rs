@@ -31,5 +31,5 @@ pub mod weak;
 pub use interval::{JointInterval, Spreads};
 pub use judge::{Standout, TakeJudged};
 pub use parameter::JointParameter;
-pub use search::{JointSearch, Turn};
+pub use search::{JointSearch, SearchTurn};
 pub use weak::WeakDirection;

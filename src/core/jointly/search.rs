@@ -28,7 +28,7 @@ const HELD: f64 = 1e6;
 
 /// What a round leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Turn {
+pub enum SearchTurn {
     /// The takes are to be asked again.
     Again,
     /// The optimum is found.
@@ -240,19 +240,19 @@ impl JointSearch {
 
     /// One round, from what the takes say where they were asked. One that says nothing there, as it has no motion, shortens
     /// the step; where that does not help it takes no part any more.
-    pub fn turn(&mut self, shares: &[Option<TakeShare>]) -> Turn {
+    pub fn turn(&mut self, shares: &[Option<TakeShare>]) -> SearchTurn {
         self.rounds += 1;
         let silent = |(share, taking): (&Option<TakeShare>, &bool)| *taking && share.is_none();
         let is_silent = shares.iter().zip(&self.taking).any(silent);
         let parts = self.parts(shares);
         if parts.is_empty() {
-            return Turn::Lost;
+            return SearchTurn::Lost;
         }
         if self.rounds > ROUNDS {
             self.is_near_only = self.moved < NEAR && !is_silent;
             return match self.is_near_only {
-                true => Turn::Found,
-                false => Turn::Lost,
+                true => SearchTurn::Found,
+                false => SearchTurn::Lost,
             };
         }
         let objective = self.objective(&parts);
@@ -264,7 +264,7 @@ impl JointSearch {
         });
         if (is_worse || is_silent) && may_halve {
             self.halve();
-            return Turn::Again;
+            return SearchTurn::Again;
         }
         if is_silent {
             for (taking, share) in self.taking.iter_mut().zip(shares) {
@@ -277,7 +277,7 @@ impl JointSearch {
     }
 
     /// Goes on from an accepted place.
-    fn go_on(&mut self, parts: &[PlainPart], objective: f64, is_stuck: bool) -> Turn {
+    fn go_on(&mut self, parts: &[PlainPart], objective: f64, is_stuck: bool) -> SearchTurn {
         self.halvings = 0;
         let before = self.variances.clone();
         if self.parameters.iter().any(|of| of.is_drawn) {
@@ -293,7 +293,7 @@ impl JointSearch {
             (self.held, self.weak) = (Some(held), weak);
         }
         let Some(step) = self.step(&total) else {
-            return Turn::Lost;
+            return SearchTurn::Lost;
         };
         let far = step.amax().max(FARTHEST) / FARTHEST;
         let step = step / far;
@@ -324,8 +324,8 @@ impl JointSearch {
         }
         self.moved = moved;
         match moved < SAME || is_stuck {
-            true => Turn::Found,
-            false => Turn::Again,
+            true => SearchTurn::Found,
+            false => SearchTurn::Again,
         }
     }
 

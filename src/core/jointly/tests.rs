@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{JointParameter, JointSearch, Standout, Turn};
+use super::{JointParameter, JointSearch, SearchTurn, Standout};
 use crate::math::random::Random;
 use crate::motion::TakeShare;
 
@@ -56,9 +56,9 @@ fn solved(
     loop {
         let said = shares(&joint, takes);
         match joint.turn(&said) {
-            Turn::Again => {}
-            Turn::Found => return (joint, said),
-            Turn::Lost => panic!("lost after {} rounds", joint.rounds()),
+            SearchTurn::Again => {}
+            SearchTurn::Found => return (joint, said),
+            SearchTurn::Lost => panic!("lost after {} rounds", joint.rounds()),
         }
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::DVector;
 
-use super::AskedNames;
+use super::names::AskedNames;
 use crate::jointly::JointParameter;
 use crate::motion::{Quantity, Scene, Stamp, TakeEvent, TakeShare};
 use crate::pipeline::{Pipeline, SharedMotion};
@@ -263,4 +263,27 @@ fn share(
         values: values.clone(),
         ..share
     })
+}
+
+/// A take is far whose residual is so many times that of the nearest quarter.
+const FARTHER: f64 = 2.0;
+
+/// The residuals of the nearest quarter of takes: positions and orientations.
+pub(super) struct UsualResidual([f64; 2]);
+
+impl UsualResidual {
+    pub(super) fn of(shares: &[Option<TakeShare>]) -> Self {
+        Self([0, 1].map(|kind| {
+            let residuals = shares.iter().flatten().map(|of| of.residual[kind]);
+            let mut residuals: Vec<f64> = residuals.collect();
+            residuals.sort_by(f64::total_cmp);
+            residuals.get(residuals.len() / 4).copied().unwrap_or(0.0)
+        }))
+    }
+
+    /// Whether a take is so much farther from its motion that it may be near another optimum.
+    pub(super) fn is_far(&self, share: &TakeShare) -> bool {
+        let mut kinds = share.residual.iter().zip(self.0);
+        kinds.any(|(residual, usual)| *residual > FARTHER * usual)
+    }
 }

@@ -3,9 +3,9 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
+use super::job::FitJob;
 use super::keys::{ToldValue, keys};
-use super::take::{AskedTake, Member};
-use super::{FitJob, UsualResidual};
+use super::take::{AskedTake, Member, UsualResidual};
 use crate::config::{CalibratedQuantity, Calibration, SourceLine, Unit};
 use crate::jointly::{JointInterval, JointSearch, Standout, TakeJudged};
 use crate::motion::{Fits, TakeShare};
