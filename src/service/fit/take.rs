@@ -6,7 +6,7 @@ use nalgebra::DVector;
 
 use super::names::AskedNames;
 use crate::jointly::JointParameter;
-use crate::motion::{Quantity, Scene, Stamp, TakeEvent, TakeShare};
+use crate::motion::{Fits, Quantity, Scene, Stamp, TakeEvent, TakeShare};
 use crate::pipeline::{Pipeline, SharedMotion};
 use crate::service::deadline::Deadline;
 use crate::service::finish::{lost, open, warnings};
@@ -214,6 +214,22 @@ impl AskedTake {
         let (_, (motion, there)) = best.filter(|(there, _)| *there < before - NEARER)?;
         (self.motion, self.placed) = (Ok(motion), placed);
         Some(there)
+    }
+
+    /// Whether its motion at values is said not to explain its samples. Of one that was found at other values this is judged anew,
+    /// with what is shared held there.
+    pub(super) fn misfits(&self, values: &DVector<f64>) -> bool {
+        let is_said = |motion: &SharedMotion| motion.fits() == Fits::No;
+        if !self.motion.as_ref().is_ok_and(is_said) {
+            return false;
+        }
+        let Some((scene, _)) = self.scene_at(values) else {
+            return true;
+        };
+        let (parameters, held) = (&self.parameters, &self.parameters[..self.shared]);
+        let pipeline = self.pipeline(&scene);
+        let found = guarded(|| Ok(pipeline.shared_held(parameters, held, &mut ())?));
+        found.map_or(true, |motion| is_said(&motion))
     }
 
     /// The scene that begins at values. Trackers are put where these say, so that samples are cleaned and cut by where the body

@@ -8,7 +8,7 @@ use super::keys::{ToldValue, keys};
 use super::take::{AskedTake, Member, UsualResidual};
 use crate::config::{CalibratedQuantity, Calibration, SourceLine, Unit};
 use crate::jointly::{JointInterval, JointSearch, Standout, TakeJudged};
-use crate::motion::{Fits, TakeShare};
+use crate::motion::TakeShare;
 use crate::report::units::for_people;
 use crate::report::{
     FitLine, FitTakeLine, FittedLine, HeldOutLine, InfluenceLine, OwnLine, ResidualLine,
@@ -39,6 +39,7 @@ impl ToldFit {
         members: &mut [Member],
     ) -> anyhow::Result<Self> {
         let compared = compared(joint, shares, members);
+        let misfits = misfits(joint, members);
         let (intervals, correlations) = joint.intervals(shares);
         let judged = joint.judged(shares);
         let first = members.iter().find_map(|of| of.asked.as_ref().ok());
@@ -52,7 +53,12 @@ impl ToldFit {
             .map(|(take, member)| {
                 let taking = joint.is_taking_part(take);
                 let share = shares[take].as_ref().filter(|_| taking);
-                let line = line(joint, member, share, judged[take].as_ref(), &compared[take]);
+                let judged = judged[take].as_ref();
+                let mut line = line(joint, member, share, judged, &compared[take]);
+                if misfits[take] {
+                    line.stands_out
+                        .push("its motion does not explain its samples".to_owned());
+                }
                 (member.place, line)
             })
             .collect();
@@ -73,10 +79,7 @@ impl ToldFit {
             ..FitLine::default()
         };
         line.against = against(&line);
-        let fitting = members.iter().filter(|of| !of.is_held_out);
-        let fitting = fitting.filter_map(|of| of.asked.as_ref().ok());
-        let misfits = fitting.filter(|of| of.motion.as_ref().is_ok_and(|of| of.fits() == Fits::No));
-        match misfits.count() {
+        match misfits.iter().filter(|misfits| **misfits).count() {
             0 => {}
             misfits => line.against.push(format!(
                 "of {misfits} takes the motion does not explain the samples: the model, or an optimum of theirs, is a wrong one"
@@ -129,6 +132,18 @@ fn compared(
                 by_fit,
                 by_scene: asked.at(&initial),
             })
+        })
+        .collect()
+}
+
+/// Of which takes that are fitted the motion at the answer does not explain the samples.
+fn misfits(joint: &JointSearch, members: &mut [Member]) -> Vec<bool> {
+    members
+        .par_iter_mut()
+        .enumerate()
+        .map(|(take, member)| {
+            let fitted = member.asked.as_ref().ok().filter(|_| !member.is_held_out);
+            fitted.is_some_and(|of| of.misfits(&joint.asked(take)))
         })
         .collect()
 }
@@ -353,11 +368,7 @@ fn standouts(joint: &JointSearch, member: &Member, judged: &TakeJudged) -> Vec<S
             format!("its {what} are {times:.1} times as far from the motion as those of other takes")
         }
     });
-    let asked = member.asked.as_ref().ok();
-    let motion = asked.and_then(|of| of.motion.as_ref().ok());
-    let misfit = motion.filter(|of| of.fits() == Fits::No);
-    let misfit = misfit.map(|_| "its motion does not explain its samples".to_owned());
-    each.chain(misfit).collect()
+    each.collect()
 }
 
 /// The answer in a file, in the units of scenes.

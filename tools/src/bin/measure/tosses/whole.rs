@@ -115,7 +115,7 @@ fn whole(toss: &Toss, setting: &Setting, tolerance_mm: Option<f64>) -> Result<Op
     let spans_s = estimate.grips.iter().map(|of| of.span_s[1] - of.span_s[0]);
     Ok(Some(Whole {
         off: off(toss, &outcome),
-        is_double: is_double(toss, &setting),
+        is_double: is_double(toss, setting),
         tumbles_s: spans_s.sum(),
         lasts_s: (toss.poses.len() - 1) as f64 / RATE_HZ,
         outcome,
