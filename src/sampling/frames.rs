@@ -92,6 +92,33 @@ fn free_frames(
     zero: Stamp,
     frame_rate_hz: f64,
 ) -> Result<Vec<PoseSample>, SamplingError> {
+    let mut pieces = pieces(scene, estimate, link);
+    let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else {
+        return Ok(Vec::new());
+    };
+    let times_s = times_s(
+        scene,
+        link,
+        estimate,
+        [first.span_s()[0], last.span_s()[1]],
+        pieces.iter().flat_map(FramedPiece::span_s),
+        zero,
+        frame_rate_hz,
+    )?;
+    let poses = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
+    let samples = poses.map(|(stamp, time_s)| {
+        let pose = pose_at(&mut pieces, time_s);
+        PoseSample::from_pose(stamp, &pose)
+    });
+    Ok(samples.collect())
+}
+
+/// The parts of the motion of a body by itself, in order of time.
+pub(super) fn pieces<'a>(
+    scene: &'a Scene,
+    estimate: &'a Estimate,
+    link: LinkIndex,
+) -> Vec<FramedPiece<'a>> {
     let mechanism = scene.mechanism_of(link);
     let arcs: Vec<&ArcEstimate> = estimate
         .arcs
@@ -112,24 +139,7 @@ fn free_frames(
     let pressed = events.filter_map(|event| pressed(scene, estimate, link, event));
     let mut pieces: Vec<FramedPiece> = grips.chain(flights).chain(pressed).collect();
     pieces.sort_by(|a, b| a.span_s()[0].total_cmp(&b.span_s()[0]));
-    let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else {
-        return Ok(Vec::new());
-    };
-    let times_s = times_s(
-        scene,
-        link,
-        estimate,
-        [first.span_s()[0], last.span_s()[1]],
-        pieces.iter().flat_map(FramedPiece::span_s),
-        zero,
-        frame_rate_hz,
-    )?;
-    let poses = times_s.into_iter().filter(|(stamp, _)| stamp.0 >= 0);
-    let samples = poses.map(|(stamp, time_s)| {
-        let pose = pose_at(&mut pieces, time_s);
-        PoseSample::from_pose(stamp, &pose)
-    });
-    Ok(samples.collect())
+    pieces
 }
 
 /// Times of frames and events within a motion, and of its ends, by their stamps.
@@ -315,15 +325,15 @@ pub fn sketch_frames(
 }
 
 /// An arc, flight or on a support, from which many poses are asked for.
-struct FramedArc<'a> {
-    arc: &'a ArcEstimate,
+pub(super) struct FramedArc<'a> {
+    pub(super) arc: &'a ArcEstimate,
     fall: Fall,
     spin: Spin,
     supported: Option<Supported>,
 }
 
 /// A part of a motion.
-enum FramedPiece<'a> {
+pub(super) enum FramedPiece<'a> {
     /// By itself.
     Arc(Box<FramedArc<'a>>),
     /// In a hand.
@@ -333,7 +343,7 @@ enum FramedPiece<'a> {
 }
 
 /// A body in a contact that lasts.
-struct PressedPiece {
+pub(super) struct PressedPiece {
     touch_s: f64,
     touching: State,
     /// The velocities after an impact of one moment.
@@ -365,12 +375,19 @@ fn pressed<'a>(
 }
 
 impl FramedPiece<'_> {
-    fn span_s(&self) -> [f64; 2] {
+    pub(super) fn span_s(&self) -> [f64; 2] {
         match self {
             FramedPiece::Arc(of) => [of.arc.start_s, of.arc.end_s],
             FramedPiece::Grip(of) => of.span_s,
             FramedPiece::Pressed(of) => [of.touch_s, of.touch_s + of.pressed.duration_s],
         }
+    }
+}
+
+impl PressedPiece {
+    pub(super) fn state(&self, time_s: f64) -> State {
+        let since_s = time_s - self.touch_s;
+        self.pressed.state(&self.touching, &self.after, since_s)
     }
 }
 
@@ -382,9 +399,7 @@ fn pose_at(pieces: &mut [FramedPiece], time_s: f64) -> Pose {
         FramedPiece::Arc(of) => of,
         FramedPiece::Grip(of) => return of.state(time_s).world_from_body(),
         FramedPiece::Pressed(of) => {
-            let since_s = time_s - of.touch_s;
-            let state = of.pressed.state(&of.touching, &of.after, since_s);
-            return state.world_from_body();
+            return of.state(time_s).world_from_body();
         }
     };
     let FramedArc {

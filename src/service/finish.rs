@@ -177,15 +177,40 @@ pub(super) fn finished(
         "estimated"
     );
     working.now("writing");
+    let writing = Instant::now();
+    write_outcome(opened, pipeline, take, &outcome, output)?;
+    let lost = lost(take);
+    let circumstances = Circumstances {
+        recording: recording.path().display().to_string(),
+        output: output.display().to_string(),
+        spent: Spent::of(whole_seconds, &phase_seconds)
+            .with_files(reading_seconds, writing.elapsed().as_secs_f64()),
+        phase_seconds,
+        ended_early,
+        lost,
+        warnings: [warnings(take), mark_notes(&outcome)].concat(),
+    };
+    let report = RecordingReport::new(&reported(&outcome), circumstances);
+    Ok((report, outcome))
+}
+
+/// Writes what came in and the estimate of it.
+pub(super) fn write_outcome(
+    opened: &Opened,
+    pipeline: &Pipeline,
+    take: &TakeReport,
+    outcome: &Outcome,
+    output: &Path,
+) -> anyhow::Result<()> {
+    let recording = &opened.recording;
     let scene_file = opened.scene_file.as_deref();
     let made_of: Vec<&Path> = [recording.path()].into_iter().chain(scene_file).collect();
-    let writing = Instant::now();
     let written = write_estimate(
         output,
         &EstimateFile {
             input: recording.container(),
             made_of: &made_of,
-            of: reported(&outcome),
+            of: reported(outcome),
             scene_toml: &opened.scene_toml,
             provenance: Some(&provenance(
                 recording,
@@ -204,19 +229,7 @@ pub(super) fn finished(
         added = written.added,
         "written"
     );
-    let lost = lost(take);
-    let circumstances = Circumstances {
-        recording: recording.path().display().to_string(),
-        output: output.display().to_string(),
-        spent: Spent::of(whole_seconds, &phase_seconds)
-            .with_files(reading_seconds, writing.elapsed().as_secs_f64()),
-        phase_seconds,
-        ended_early,
-        lost,
-        warnings: [warnings(take), mark_notes(&outcome)].concat(),
-    };
-    let report = RecordingReport::new(&reported(&outcome), circumstances);
-    Ok((report, outcome))
+    Ok(())
 }
 
 /// What reports of an outcome are about.

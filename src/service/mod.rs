@@ -2,7 +2,7 @@
 //! asked to, at the pace of the performance; [`predict()`] one only up to an event, [`process`] estimates many, as fast as possible. The
 //! same recording gives the same bytes by both. `capture` runs it live. [`mark()`] lists, proposes
 //! and changes marks, [`import()`] makes recordings of tables of poses, `sketch` makes recordings of keyframes that people write and the other way round, [`export()`] makes files for other programs of an estimate, [`report()`] a page for people, `direct` sends commands to a running `capture`, `takes` lists what it recorded, [`from_urdf`] makes scenes of robots, [`make_scene`] of objects and meshes, [`calibrate()`] measures trackers and rooms, [`fit()`] finds what many takes share and [`calibrate_scene`] puts that into scenes, [`recover_all`] recovers journals
-//! after a crash, `doctor` checks what a capture needs.
+//! after a crash, `doctor` checks what a capture needs. [`TakeInMemory`] is for programs that call this one: what `replay` does, step by step.
 //!
 //! This room has the clock, the files and the threads. Results come back as a
 //! [`RecordingReport`](crate::report::RecordingReport), to be printed by the caller.
@@ -24,6 +24,7 @@ mod guard;
 mod import;
 mod inspect;
 mod mark;
+mod memory;
 mod output;
 mod panics;
 mod predict;
@@ -68,6 +69,7 @@ pub use inspect::{Inspection, MarkLine, PoseLine, TopicLine, inspect};
 pub use mark::{
     MarkEdits, MarkJob, Marked, PhaseProposals, ProposalLine, ProposedPhase, mark, proposed_phases,
 };
+pub use memory::{EstimateInMemory, SceneInMemory, TakeInMemory};
 pub use output::write_file;
 pub use predict::{DEFAULT_PREDICTION_S, PredictJob, predict};
 pub use process::{Failure, ProcessJob, Processed, process};
@@ -78,7 +80,7 @@ pub use recover::{RecoveredLine, recover_all};
 pub use refusal::Refusal;
 pub use replay::{PublishJob, ReplayJob, replay};
 pub use report::{ReportJob, ReportMade, report};
-pub use scene::{NewSceneJob, NewSceneMade, look_at_scene, make_scene};
+pub use scene::{NewSceneJob, NewSceneMade, look_at_scene, made_scene, make_scene};
 pub use sketch::{Density, SketchJob, Sketched, sketch};
 #[cfg(feature = "live")]
 pub use takes::{TakeEntry, takes};

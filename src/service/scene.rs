@@ -8,7 +8,8 @@ use serde::Serialize;
 use super::output::{refuse_present, write_new_file};
 use super::provenance::made_by;
 use crate::config::{
-    BodyCheck, MeshFormat, NewObject, NewScene, SceneCheck, check_scene, new_scene, scene_from_toml,
+    BodyCheck, MadeScene, MeshFormat, NewObject, NewScene, SceneCheck, check_scene, new_scene,
+    scene_from_toml,
 };
 use crate::ingest::{read_text, read_whole};
 
@@ -60,6 +61,27 @@ pub fn make_scene(job: &NewSceneJob) -> anyhow::Result<NewSceneMade> {
         refuse_present(output)?;
     }
     let path = Path::new(&job.object);
+    let made = made_scene(job)?;
+    let output = job.output.clone();
+    let output = output.unwrap_or_else(|| PathBuf::from(format!("{}.toml", made.name)));
+    refuse_present(&output)?;
+    let scene = scene_from_toml(&made.toml)?;
+    let checked = check_scene(&scene);
+    let body = checked.bodies.into_iter().next();
+    // Of a preset there is no such file.
+    let text = made_by(&job.command, &made.toml);
+    write_new_file(&output, text.as_bytes(), &[path])?;
+    Ok(NewSceneMade {
+        output: output.display().to_string(),
+        scene: made.name,
+        body: body.context("the scene has no body")?,
+        notes: made.notes,
+    })
+}
+
+/// The scene of an object over a table, which nobody writes.
+pub fn made_scene(job: &NewSceneJob) -> anyhow::Result<MadeScene> {
+    let path = Path::new(&job.object);
     let ending = path.extension().and_then(|ending| ending.to_str());
     let object = match ending.and_then(MeshFormat::of_ending) {
         None => NewObject::Preset(job.object.clone()),
@@ -91,7 +113,7 @@ pub fn make_scene(job: &NewSceneJob) -> anyhow::Result<NewSceneMade> {
             job.object
         );
     }
-    let made = new_scene(&NewScene {
+    new_scene(&NewScene {
         object,
         mass_g: job.mass_g,
         size_mm: job.size_mm,
@@ -101,22 +123,7 @@ pub fn make_scene(job: &NewSceneJob) -> anyhow::Result<NewSceneMade> {
         stamps: job.stamps.clone(),
         lands: job.lands.clone(),
     })
-    .with_context(|| job.object.clone())?;
-    let output = job.output.clone();
-    let output = output.unwrap_or_else(|| PathBuf::from(format!("{}.toml", made.name)));
-    refuse_present(&output)?;
-    let scene = scene_from_toml(&made.toml)?;
-    let checked = check_scene(&scene);
-    let body = checked.bodies.into_iter().next();
-    // Of a preset there is no such file.
-    let text = made_by(&job.command, &made.toml);
-    write_new_file(&output, text.as_bytes(), &[path])?;
-    Ok(NewSceneMade {
-        output: output.display().to_string(),
-        scene: made.name,
-        body: body.context("the scene has no body")?,
-        notes: made.notes,
-    })
+    .with_context(|| job.object.clone())
 }
 
 /// What the scene in a file means. Fails where the scene is refused.

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::io::{Cursor, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use mcap::records::MessageHeader;
@@ -20,9 +21,9 @@ use crate::wire::{Encoded, encode_keyframe};
 ///
 /// The bytes depend on what is written alone. The file has its name only after
 /// [`RecordingWriter::finish`]; dropped without it, it is removed.
-pub struct RecordingWriter {
+pub struct RecordingWriter<W: Write + Seek = AtomicFile> {
     path: PathBuf,
-    writer: Writer<AtomicFile>,
+    writer: Writer<W>,
     channels: BTreeMap<(String, Encoded), OwnChannel>,
 }
 
@@ -33,6 +34,19 @@ struct OwnChannel {
     sequence: u32,
 }
 
+impl RecordingWriter<Cursor<Vec<u8>>> {
+    /// Begins a recording in memory; `path` is its name in errors.
+    pub fn in_memory(path: &Path) -> Result<Self, WriteError> {
+        Self::begin(path, Cursor::default())
+    }
+
+    /// Writes the summary and gives all of it.
+    pub fn into_bytes(mut self) -> Result<Vec<u8>, WriteError> {
+        self.writer.finish().map_err(WriteError::mcap(&self.path))?;
+        Ok(self.writer.into_inner().into_inner())
+    }
+}
+
 impl RecordingWriter {
     /// Begins a recording that will be `path`.
     pub fn create(path: &Path) -> Result<Self, WriteError> {
@@ -41,8 +55,19 @@ impl RecordingWriter {
 
     /// [`RecordingWriter::create`] of one that is made of these files: nobody may read it who may not read them.
     pub fn create_of(path: &Path, made_of: &[&Path]) -> Result<Self, WriteError> {
-        let file = AtomicFile::create_of(path, made_of)?;
-        let writer = options::writer(file, "").map_err(WriteError::mcap(path))?;
+        Self::begin(path, AtomicFile::create_of(path, made_of)?)
+    }
+
+    /// Writes the summary, makes the file durable and gives it its name.
+    pub fn finish(mut self) -> Result<(), WriteError> {
+        self.writer.finish().map_err(WriteError::mcap(&self.path))?;
+        self.writer.into_inner().commit()
+    }
+}
+
+impl<W: Write + Seek> RecordingWriter<W> {
+    fn begin(path: &Path, sink: W) -> Result<Self, WriteError> {
+        let writer = options::writer(sink, "").map_err(WriteError::mcap(path))?;
         Ok(Self {
             path: path.to_owned(),
             writer,
@@ -99,12 +124,6 @@ impl RecordingWriter {
                 data: Cow::Borrowed(bytes),
             })
             .map_err(WriteError::mcap(&self.path))
-    }
-
-    /// Writes the summary, makes the file durable and gives it its name.
-    pub fn finish(mut self) -> Result<(), WriteError> {
-        self.writer.finish().map_err(WriteError::mcap(&self.path))?;
-        self.writer.into_inner().commit()
     }
 
     fn message(

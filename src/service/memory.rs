@@ -1,0 +1,177 @@
+//! What [`replay`](super::replay()) does, step by step and without files: for programs that call this one.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+
+use super::as_read::AsRead;
+use super::deadline::Deadline;
+use super::finish::{Opened, lost, opened, reported, warnings, with_recording, write_outcome};
+use super::guard::Inputs;
+use super::panics::guarded;
+use super::provenance::provenance;
+use super::refusal::Refusal;
+use crate::ingest::{Recording, SCENE_NAME, Take};
+use crate::motion::{Mark, Observer, PoseSample, Scene, TrackIndex};
+use crate::pipeline::{Outcome, Pipeline};
+use crate::report::{Provenance, Reported};
+use crate::write::{DEFAULT_WORLD_FRAME, RecordingWriter};
+
+/// A scene with its text.
+#[derive(Clone, Debug)]
+pub struct SceneInMemory {
+    /// The scene.
+    pub scene: Scene,
+    /// Its text.
+    pub toml: String,
+    /// The file that it was read from.
+    pub file: Option<PathBuf>,
+}
+
+/// A recording, the scene with which it is read, and what it has of that.
+pub struct TakeInMemory {
+    opened: Opened,
+    take: Take,
+}
+
+/// An estimate of such a take.
+#[derive(Clone, Debug)]
+pub struct EstimateInMemory {
+    /// The estimate, and what belongs to it.
+    pub outcome: Outcome,
+    pipeline: Pipeline,
+}
+
+impl TakeInMemory {
+    /// Reads a file as `replay` does; the scene is its own unless another one is given.
+    pub fn read(path: &Path, scene: Option<&SceneInMemory>) -> anyhow::Result<Self> {
+        with_recording(path, Deadline::begin(None), |of| Self::of(of, scene))
+    }
+
+    /// The same of bytes; `name` is that of the file which they would be.
+    pub fn of_bytes(
+        name: &Path,
+        bytes: Vec<u8>,
+        scene: Option<&SceneInMemory>,
+    ) -> anyhow::Result<Self> {
+        Self::of(Recording::from_bytes(name, bytes)?, scene)
+    }
+
+    fn of(recording: Recording, scene: Option<&SceneInMemory>) -> anyhow::Result<Self> {
+        let deadline = Deadline::begin(None);
+        let opened = match scene {
+            None => opened(recording, None, deadline)?,
+            Some(scene) => Opened {
+                recording,
+                scene: AsRead::of(scene.scene.clone()),
+                scene_toml: scene.toml.clone().into_bytes(),
+                scene_file: scene.file.clone(),
+                deadline,
+            },
+        };
+        let take = opened.recording.take(opened.scene.for_reading())?;
+        Ok(Self { opened, take })
+    }
+
+    /// The bytes of the recording.
+    pub fn bytes(&self) -> &[u8] {
+        self.opened.recording.container().bytes()
+    }
+
+    /// The text of the scene.
+    pub fn scene_toml(&self) -> &[u8] {
+        &self.opened.scene_toml
+    }
+
+    /// Parts of the recording that could not be read, and what to know of the others.
+    pub fn notes(&self) -> Vec<String> {
+        [lost(&self.take.report), warnings(&self.take.report)].concat()
+    }
+
+    /// Estimates the motion; whether it is freed and diagnosed is as [`ReplayJob`](super::ReplayJob) says. A bug is an error.
+    pub fn estimate(
+        &self,
+        is_free_auto: bool,
+        is_diagnosing: bool,
+        observer: &mut dyn Observer,
+    ) -> anyhow::Result<EstimateInMemory> {
+        let pipeline = self.opened.scene.pipeline(self.take.events.iter().cloned());
+        let pipeline = pipeline.with_free_auto(is_free_auto);
+        let pipeline = pipeline.with_diagnoses(is_diagnosing);
+        let outcome = guarded(|| {
+            let outcome = pipeline.finish(observer);
+            outcome.map_err(|error| Refusal::new(&pipeline, error, observer).into())
+        });
+        let recording = || self.opened.recording.path().display().to_string();
+        let outcome = outcome.with_context(recording)?;
+        Ok(EstimateInMemory { outcome, pipeline })
+    }
+
+    /// From what an estimate is made, as its file says it.
+    pub fn provenance(&self, of: &EstimateInMemory) -> Provenance {
+        let opened = &self.opened;
+        let scene_file = opened.scene_file.as_deref();
+        provenance(
+            &opened.recording,
+            &opened.scene_toml,
+            scene_file,
+            &of.pipeline,
+        )
+    }
+
+    /// Writes the file that `replay` writes. Fails where that is one of those which were read.
+    pub fn write(&self, of: &EstimateInMemory, output: &Path) -> anyhow::Result<()> {
+        let read = [self.opened.recording.path()].into_iter();
+        let read = read.chain(self.opened.scene_file.as_deref());
+        Inputs::of(read).keep_from(output)?;
+        write_outcome(
+            &self.opened,
+            &of.pipeline,
+            &self.take.report,
+            &of.outcome,
+            output,
+        )
+    }
+}
+
+impl EstimateInMemory {
+    /// What reports of it are about.
+    pub fn reported(&self) -> Reported<'_> {
+        reported(&self.outcome)
+    }
+}
+
+impl SceneInMemory {
+    /// A recording of poses and marks, in which the scene travels; what is earlier comes first.
+    pub fn recording(
+        &self,
+        name: &Path,
+        poses: &[(TrackIndex, PoseSample)],
+        marks: &[Mark],
+    ) -> anyhow::Result<Vec<u8>> {
+        let topics: Vec<String> = self
+            .scene
+            .tracks
+            .keys()
+            .map(|track| self.scene.stream_topic(track, 0))
+            .collect();
+        let poses = poses.iter().map(|(track, sample)| {
+            (
+                sample.stamp,
+                Ok((topics[usize::from(*track)].as_str(), sample)),
+            )
+        });
+        let marks = marks.iter().map(|mark| (mark.stamp, Err(mark)));
+        let mut entries: Vec<_> = poses.chain(marks).collect();
+        entries.sort_by_key(|(stamp, _)| *stamp);
+        let mut writer = RecordingWriter::in_memory(name)?;
+        writer.attach(SCENE_NAME, "application/toml", self.toml.as_bytes())?;
+        for (stamp, entry) in entries {
+            match entry {
+                Ok((topic, sample)) => writer.pose(topic, DEFAULT_WORLD_FRAME, stamp, sample)?,
+                Err(mark) => writer.mark(&self.scene.marks_topic, stamp, mark)?,
+            }
+        }
+        Ok(writer.into_bytes()?)
+    }
+}

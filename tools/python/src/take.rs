@@ -1,0 +1,150 @@
+//! Takes.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use enact::motion::{Holds, Mark, PoseSample, Stamp, TrackIndex};
+use enact::service::TakeInMemory;
+use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedBytes;
+use pyo3::types::PyBytes;
+
+use crate::errors;
+use crate::estimate::Estimate;
+use crate::numbers;
+use crate::scene::{Scene, place};
+use crate::watch::Watch;
+
+/// A recording with the scene with which it is read.
+#[pyclass(frozen, module = "enact_motion._core")]
+pub struct Take {
+    pub of: Arc<TakeInMemory>,
+}
+
+/// Poses of one track, row by row: of a track that sees no orientation the quaternions are empty.
+type Rows = (String, PyBackedBytes, PyBackedBytes, PyBackedBytes);
+
+#[pymethods]
+impl Take {
+    /// Of a file.
+    #[staticmethod]
+    fn of_file(py: Python<'_>, path: PathBuf, scene: Option<&Scene>) -> PyResult<Self> {
+        let scene = scene.map(|scene| &scene.of);
+        Self::read(py, || TakeInMemory::read(&path, scene))
+    }
+
+    /// Of the bytes of a file of that name.
+    #[staticmethod]
+    fn of_bytes(
+        py: Python<'_>,
+        name: PathBuf,
+        bytes: &[u8],
+        scene: Option<&Scene>,
+    ) -> PyResult<Self> {
+        let (bytes, scene) = (bytes.to_vec(), scene.map(|scene| &scene.of));
+        Self::read(py, || TakeInMemory::of_bytes(&name, bytes, scene))
+    }
+
+    /// The bytes of a recording of poses (track, times \[s\], positions \[m\], quaternions x y z w) and marks (event, time).
+    #[staticmethod]
+    fn recording<'py>(
+        py: Python<'py>,
+        name: PathBuf,
+        scene: &Scene,
+        poses: Vec<Rows>,
+        marks: Vec<(Option<String>, f64)>,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let mut samples: Vec<(TrackIndex, PoseSample)> = Vec::new();
+        for (track, times, positions, quaternions) in poses {
+            let track = scene.track(&track)?;
+            let [times_s, positions, quaternions] = [
+                numbers::of_bytes(&times)?,
+                numbers::of_bytes(&positions)?,
+                numbers::of_bytes(&quaternions)?,
+            ];
+            let positions_m = positions.as_chunks::<3>().0.iter();
+            let mut quaternions = quaternions.as_chunks::<4>().0.iter();
+            for (time_s, position_m) in times_s.into_iter().zip(positions_m) {
+                let quaternion = quaternions.next();
+                let unturned = [0.0, 0.0, 0.0, 1.0];
+                let pose = PoseSample::new(
+                    Stamp(0).after(time_s),
+                    (*position_m).into(),
+                    quaternion.copied().unwrap_or(unturned),
+                );
+                let holds = match quaternion {
+                    Some(_) => Holds::Pose,
+                    None => Holds::Position,
+                };
+                samples.push((track, PoseSample { holds, ..pose }));
+            }
+        }
+        let marks = marks.into_iter().map(|(event, time_s)| Mark {
+            stamp: Stamp(0).after(time_s),
+            event,
+        });
+        let marks: Vec<Mark> = marks.collect();
+        let names = scene.of.scene.events.iter().map(|of| &of.name);
+        for event in marks.iter().filter_map(|mark| mark.event.as_ref()) {
+            // One of a repeated collision has a number after its name.
+            let stem = event.trim_end_matches(|of: char| of.is_ascii_digit());
+            let is_one_of = names.clone().any(|of| of == stem.trim_end());
+            if !is_one_of {
+                place("event", event, names.clone())?;
+            }
+        }
+        let bytes = py.detach(|| scene.of.recording(&name, &samples, &marks));
+        match bytes {
+            Ok(bytes) => Ok(PyBytes::new(py, &bytes)),
+            Err(error) => Err(errors::of_any(py, &error)),
+        }
+    }
+
+    #[getter]
+    fn bytes<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, self.of.bytes())
+    }
+
+    #[getter]
+    fn scene_toml(&self) -> String {
+        String::from_utf8_lossy(self.of.scene_toml()).into_owned()
+    }
+
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.of.notes()
+    }
+
+    /// Estimates the motion without the interpreter; what a signal raises ends it.
+    fn estimate(
+        &self,
+        py: Python<'_>,
+        is_free_auto: bool,
+        is_diagnosing: bool,
+        deadline_s: Option<f64>,
+    ) -> PyResult<Estimate> {
+        let limit = deadline_s.and_then(|limit_s| Duration::try_from_secs_f64(limit_s).ok());
+        let mut watch = Watch::begin(limit);
+        let estimated = py.detach(|| self.of.estimate(is_free_auto, is_diagnosing, &mut watch));
+        if let Some(raised) = watch.raised {
+            return Err(raised);
+        }
+        match estimated {
+            Ok(estimated) => Ok(Estimate::new(self.of.clone(), estimated, watch.is_late)),
+            Err(error) => Err(errors::of_any(py, &error)),
+        }
+    }
+}
+
+impl Take {
+    fn read(
+        py: Python<'_>,
+        read: impl FnOnce() -> anyhow::Result<TakeInMemory> + Send,
+    ) -> PyResult<Self> {
+        match py.detach(read) {
+            Ok(take) => Ok(Self { of: Arc::new(take) }),
+            Err(error) => Err(errors::of_any(py, &error)),
+        }
+    }
+}
