@@ -14,6 +14,7 @@ mod groups;
 mod infer;
 mod joined;
 mod keep_out;
+mod kept;
 mod kink;
 mod led;
 mod outcome;
@@ -33,6 +34,7 @@ use self::diagnose::diagnose;
 use self::ended::EarlyEnd;
 use self::groups::Groups;
 use self::keep_out::{goes_into_something, kept_out, only_overlaps};
+pub use self::kept::KeptMotion;
 use self::led::LedByGoals;
 pub use self::outcome::{Outcome, PipelineError};
 use self::perform::{Performed, Prepared};
@@ -77,6 +79,8 @@ struct Finished {
     known: Option<Vec<LastState>>,
     /// What was done for goals at rest.
     sought: Option<Sought>,
+    /// The motion itself; `None` where several groups move, or joined bodies.
+    kept: Option<KeptMotion>,
 }
 
 impl Pipeline {
@@ -232,10 +236,19 @@ impl Pipeline {
     /// asks for that. A motion that is not physical is an outcome with that verdict; an error
     /// means that no estimate is possible.
     pub fn finish(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
+        Ok(self.finish_kept(observer)?.0)
+    }
+
+    /// [`finish`](Self::finish), which keeps the motion for further questions; joined bodies, and several groups, have none.
+    pub fn finish_kept(
+        &self,
+        observer: &mut dyn Observer,
+    ) -> Result<(Outcome, Option<KeptMotion>), PipelineError> {
         let Finished {
             mut outcome,
             known,
             sought,
+            kept,
         } = match Groups::of(&self.scene, &self.events)? {
             None => self.finished(&self.scene, observer)?,
             Some(groups) => self.together(&groups, observer)?,
@@ -250,7 +263,7 @@ impl Pipeline {
         }
         outcome.seen = self.unsaid(&outcome);
         observer.phase(Phase::Done);
-        Ok(outcome)
+        Ok((outcome, kept))
     }
 
     /// The motion of several groups, each by itself.
@@ -272,6 +285,7 @@ impl Pipeline {
             outcome,
             known: None,
             sought,
+            kept: None,
         })
     }
 
@@ -286,6 +300,7 @@ impl Pipeline {
                 outcome,
                 known: None,
                 sought: None,
+                kept: None,
             });
         }
         let mut counted = Counted {
@@ -314,7 +329,7 @@ impl Pipeline {
         let predicting = self.is_predicting.then_some(&solved.inferred.solved);
         let known = predicting.and_then(Solved::last_states);
         let may_keep_out = !self.is_predicting && sought.is_none();
-        let overlapping = may_keep_out.then(|| solved.clone());
+        let mut kept = KeptMotion(solved.clone());
         let mut outcome = solved.outcome(after.observer);
         if self.is_predicting {
             outcome.end_where_it_touches();
@@ -323,16 +338,17 @@ impl Pipeline {
         if may_keep_out && let Some(ended) = self.ended_early(scene, &outcome, after) {
             return Ok(ended);
         }
-        let overlapping = overlapping.filter(|_| only_overlaps(&outcome));
-        if let Some(mut kept) = overlapping.and_then(|of| kept_out(of, after)) {
-            kept.refine_again(after);
-            led = self.judged(&mut kept, after)?;
-            let passed = kept.inferred.solved.just_passed(scene.tolerance_m);
-            let mut other = kept.outcome(after.observer);
+        let is_overlapping = may_keep_out && only_overlaps(&outcome);
+        let overlapping = is_overlapping.then(|| kept.0.clone());
+        if let Some(mut out) = overlapping.and_then(|of| kept_out(of, after)) {
+            out.refine_again(after);
+            led = self.judged(&mut out, after)?;
+            let passed = out.inferred.solved.just_passed(scene.tolerance_m);
+            let mut other = out.clone().outcome(after.observer);
             checked(&mut other, led, passed, after.observer);
             let still_fits = other.estimate.fits() != Fits::No;
             if still_fits && !goes_into_something(&other) {
-                outcome = other;
+                (outcome, kept) = (other, KeptMotion(out));
             }
         }
         outcome.freed = freed;
@@ -354,6 +370,7 @@ impl Pipeline {
             outcome,
             known,
             sought,
+            kept: Some(kept),
         })
     }
 

@@ -13,7 +13,7 @@ use super::provenance::provenance;
 use super::refusal::Refusal;
 use crate::ingest::{Recording, SCENE_NAME, Take};
 use crate::motion::{Mark, Observer, PoseSample, Scene, TrackIndex};
-use crate::pipeline::{Outcome, Pipeline};
+use crate::pipeline::{KeptMotion, Outcome, Pipeline};
 use crate::report::{Provenance, Reported};
 use crate::write::{DEFAULT_WORLD_FRAME, RecordingWriter};
 
@@ -58,16 +58,9 @@ impl TakeInMemory {
     }
 
     fn of(recording: Recording, scene: Option<&SceneInMemory>) -> anyhow::Result<Self> {
-        let deadline = Deadline::begin(None);
         let opened = match scene {
-            None => opened(recording, None, deadline)?,
-            Some(scene) => Opened {
-                recording,
-                scene: AsRead::of(scene.scene.clone()),
-                scene_toml: scene.toml.clone().into_bytes(),
-                scene_file: scene.file.clone(),
-                deadline,
-            },
+            None => opened(recording, None, Deadline::begin(None))?,
+            Some(scene) => opened_with(recording, scene),
         };
         let take = opened.recording.take(opened.scene.for_reading())?;
         Ok(Self { opened, take })
@@ -88,23 +81,51 @@ impl TakeInMemory {
         [lost(&self.take.report), warnings(&self.take.report)].concat()
     }
 
-    /// Estimates the motion; whether it is freed and diagnosed is as [`ReplayJob`](super::ReplayJob) says. A bug is an error.
+    /// Estimates the motion; whether it is freed and diagnosed is as [`ReplayJob`](super::ReplayJob) says. A bug is an error. With it
+    /// comes the motion for further questions; joined bodies, and several groups, have none.
     pub fn estimate(
         &self,
         is_free_auto: bool,
         is_diagnosing: bool,
         observer: &mut dyn Observer,
-    ) -> anyhow::Result<EstimateInMemory> {
+    ) -> anyhow::Result<(EstimateInMemory, Option<KeptMotion>)> {
         let pipeline = self.opened.scene.pipeline(self.take.events.iter().cloned());
         let pipeline = pipeline.with_free_auto(is_free_auto);
         let pipeline = pipeline.with_diagnoses(is_diagnosing);
         let outcome = guarded(|| {
-            let outcome = pipeline.finish(observer);
+            let outcome = pipeline.finish_kept(observer);
             outcome.map_err(|error| Refusal::new(&pipeline, error, observer).into())
         });
         let recording = || self.opened.recording.path().display().to_string();
-        let outcome = outcome.with_context(recording)?;
-        Ok(EstimateInMemory { outcome, pipeline })
+        let (outcome, kept) = outcome.with_context(recording)?;
+        Ok((EstimateInMemory { outcome, pipeline }, kept))
+    }
+
+    /// The estimate from one of the same recording on, whose scene has other goals ([`KeptMotion::with_goals_of`]); `None` where
+    /// that leads to none, and it must be estimated anew.
+    pub fn with_goals_of(
+        &self,
+        before: &EstimateInMemory,
+        kept: &KeptMotion,
+        observer: &mut dyn Observer,
+    ) -> anyhow::Result<Option<(EstimateInMemory, KeptMotion)>> {
+        let scene = self.opened.scene.for_reading();
+        guarded(|| {
+            let taken = &before.pipeline;
+            let found = kept.with_goals_of(scene, taken.scene(), taken.marks(), observer);
+            Ok(found.map(|(kept, outcome)| {
+                let pipeline = taken.clone().in_scene(scene.clone());
+                (EstimateInMemory { outcome, pipeline }, kept)
+            }))
+        })
+    }
+
+    /// The same with a scene that has other goals, and reads the recording alike.
+    pub fn in_scene(&self, scene: &SceneInMemory) -> Self {
+        Self {
+            opened: opened_with(self.opened.recording.clone(), scene),
+            take: self.take.clone(),
+        }
     }
 
     /// From what an estimate is made, as its file says it.
@@ -131,6 +152,16 @@ impl TakeInMemory {
             &of.outcome,
             output,
         )
+    }
+}
+
+fn opened_with(recording: Recording, scene: &SceneInMemory) -> Opened {
+    Opened {
+        recording,
+        scene: AsRead::of(scene.scene.clone()),
+        scene_toml: scene.toml.clone().into_bytes(),
+        scene_file: scene.file.clone(),
+        deadline: Deadline::begin(None),
     }
 }
 

@@ -37,4 +37,5 @@ pub use schedule::recipe::Recipe;
 pub use solve::bound::{Bound, Part};
 pub use solve::last::LastState;
 pub use solve::sharing::SharedMotion;
+pub use solve::together::VariedTogether;
 pub use solve::{Deviations, Solved, cost, estimate};

@@ -1,6 +1,7 @@
 //! The stage as the pipeline calls it: from guesses to an estimate, with standard deviations on
 //! request.
 
+mod again;
 mod apart;
 pub mod bound;
 pub(in crate::estimate) mod deviation;
@@ -9,6 +10,7 @@ mod nearby;
 mod rivals;
 pub mod sharing;
 pub(in crate::estimate) mod simulate;
+pub mod together;
 mod wandering;
 
 use std::cell::OnceCell;

@@ -149,6 +149,13 @@ class Scene:
         return tuple(name for name, _ in self._core.tracks)
 
     @property
+    def goals(self):
+        """Its goals: a list of dicts with the keys of ``[[goal]]``, a copy each time."""
+        import tomllib
+
+        return tomllib.loads(self.toml).get("goal", [])
+
+    @property
     def events(self):
         """Names of what happens, in order of time; a repeated collision has one."""
         return tuple(self._core.events)
@@ -259,12 +266,8 @@ class Take:
         """
         if free not in (None, "auto"):
             raise ValueError(f"free: {free!r}, expected 'auto' or None; [[free]] of the scene names single quantities")
-        if deadline is not None:
-            deadline = float(deadline)
-            if not deadline >= 0:
-                raise ValueError(f"deadline: {deadline}, expected seconds, not negative")
         options = (free == "auto", bool(diagnose))
-        return Estimate._of(self, options, self._made().estimate(*options, deadline))
+        return Estimate._of(self, options, self._made().estimate(*options, _arrays.limit(deadline)))
 
     def to_bytes(self):
         """The recording, an MCAP file with the scene in it: what :func:`read` and ``enact replay`` take."""
@@ -279,6 +282,12 @@ class Take:
     def notes(self):
         """What to know of how the recording was read: what of it was lost, what was guessed."""
         return tuple(self._made().notes)
+
+    def _in_scene(self, core):
+        take = Take(Scene(core))
+        take._core, take._name = self._made().in_scene(core), self._name
+        take._read = "scene"
+        return take
 
     def _check_open(self):
         if self._read:

@@ -28,6 +28,16 @@ def time(t):
     return t
 
 
+def limit(deadline):
+    """The seconds of a deadline."""
+    if deadline is None:
+        return None
+    deadline = float(deadline)
+    if not deadline >= 0:
+        raise ValueError(f"deadline: {deadline}, expected seconds, not negative")
+    return deadline
+
+
 def poses(t, position, quaternion, order, sees):
     """Bytes of times, positions and quaternions x y z w."""
     import numpy as np

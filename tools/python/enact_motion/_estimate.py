@@ -121,19 +121,19 @@ class Estimate:
     for, to the same bits, and is refused of an estimate that its deadline ended.
     """
 
-    __slots__ = ("_core", "_options", "_said", "_take", "_text")
+    __slots__ = ("_base", "_core", "_options", "_said", "_take", "_text")
 
     def __init__(self):
         raise TypeError("expected take.estimate()")
 
     @classmethod
-    def _of(cls, take, options, core, text=None, is_late=False):
+    def _of(cls, take, options, core, *, text=None, is_late=False, base=None):
         of = object.__new__(cls)
-        text = core.report() if text is None else text
-        is_late = core.is_late if core is not None else is_late
-        for name, value in (("_core", core), ("_options", (*options, is_late)), ("_take", take), ("_text", text)):
+        if core is not None:
+            is_late = core.is_late
+        parts = {"_base": base, "_core": core, "_options": (*options, is_late), "_said": None, "_take": take, "_text": text}
+        for name, value in parts.items():
             object.__setattr__(of, name, value)
-        object.__setattr__(of, "_said", None)
         return of
 
     def __setattr__(self, name, value):
@@ -144,7 +144,12 @@ class Estimate:
         """All that it says: the JSON of its file (``docs/report.md``) as a dict, a copy each time."""
         import json
 
-        return json.loads(self._text)
+        return json.loads(self._words())
+
+    def _words(self):
+        if self._text is None:
+            object.__setattr__(self, "_text", self._core.report())
+        return self._text
 
     def _of_report(self, key):
         if self._said is None:
@@ -196,6 +201,16 @@ class Estimate:
     def is_late(self):
         """Whether its deadline ended it."""
         return self._options[2]
+
+    @property
+    def is_warm(self):
+        """Whether :meth:`update` made it from another estimate."""
+        return self._made().is_warm
+
+    @property
+    def spent(self):
+        """How long each phase of the run took: a dict of seconds by name."""
+        return dict(self._made().spent)
 
     @property
     def time_map(self):
@@ -259,6 +274,64 @@ class Estimate:
         rows = _arrays.rows(self._made().residuals(track), 8)
         return Residuals(rows[:, 0], rows[:, 1], rows[:, 2:5], rows[:, 5:8])
 
+    @property
+    def numbers(self):
+        """The names that :meth:`covariance` takes: events, parameters, and the states of flights.
+
+        Of an event it is the time. ``<body>.flight.<n>.<part>.<axis>``, n from 1, is of the state of a flight at its epoch
+        (``report["arcs"]``): ``position`` and ``velocity`` of the centre of mass, world axes; ``orientation``, a rotation vector
+        on the right, and ``angular_velocity`` about the principal axes. Empty where nothing tells how certain the motion is: of
+        one that failed, of joined bodies, of several groups of bodies that never meet.
+        """
+        return self._varied()[0]
+
+    def covariance(self, names=None):
+        """The covariances (n, n) of numbers, in the order of their names, :attr:`numbers` by default.
+
+        Units are seconds for events, those of :attr:`parameters`, and SI for states. A fixed number has zeros, one that is not
+        determined NaN. The diagonal has the squares of the ``sd`` of events and parameters. Raises KeyError for another name.
+        """
+        import numpy as np
+
+        known, data = self._varied()
+        whole = _arrays.rows(data, max(len(known), 1))
+        if names is None:
+            return whole
+        place = {name: at for at, name in enumerate(known)}
+        for name in names:
+            if name not in place:
+                raise KeyError(f"names: no {name!r}, expected names of estimate.numbers")
+        at = [place[name] for name in names]
+        chosen = whole[np.ix_(at, at)]
+        chosen.flags.writeable = False
+        return chosen
+
+    def update(self, *, goals, deadline=None):
+        """The estimate of the same take with other goals, from this one on: the live path of an editor.
+
+        ``goals``: a list of dicts with the keys of ``[[goal]]`` (``docs/goals.md``), in place of all of the scene's. ``deadline``:
+        as for :meth:`Take.estimate`. The same optimum to the solver's tolerance, in a few steps, samples weighed as in this
+        one; checked for gaps and overlaps, and not asked whether it fits. Where that leads nowhere (:attr:`is_warm`) it is estimated
+        anew. Raises :class:`SceneError` for a goal that is refused.
+
+        >>> import enact_motion
+        >>> estimate = enact_motion.read("recordings/pencil_tip.mcap").estimate()
+        >>> goals = estimate.take.scene.goals
+        >>> goals[0]["position_mm"][0] += 5
+        >>> updated = estimate.update(goals=goals)
+        >>> updated.is_warm, updated.verdict
+        (True, 'physical')
+        """
+        import json
+
+        def plain(of):
+            return of.tolist()
+
+        core = self._take.scene._core.with_goals(json.dumps(list(goals), default=plain))
+        free, diagnose, _ = self._options
+        found = self._made().update(core, free, diagnose, _arrays.limit(deadline))
+        return Estimate._of(self._take._in_scene(core), (free, diagnose), found, base=self)
+
     def write(self, path):
         """Writes the recording with the estimate beside it: byte for byte what ``enact replay`` writes.
 
@@ -277,12 +350,18 @@ class Estimate:
             raise ValueError(f"{what}: None, expected one of {', '.join(names)}")
         return names[0] if name is None else name
 
+    def _varied(self):
+        return self._made().varied_together() or ([], b"")
+
     def _made(self):
         if self._core is None:
             free, diagnose, is_late = self._options
             if is_late:
                 raise ValueError("its deadline ended this estimate, and it was pickled: its motion cannot be made again")
-            core = self._take._made().estimate(free, diagnose, None)
+            if self._base is None:
+                core = self._take._made().estimate(free, diagnose, None)
+            else:
+                core = self._base._made().update(self._take.scene._core, free, diagnose, None)
             if core.report() != self._text:
                 raise ValueError("another version made this estimate, and it was pickled: its motion is another one")
             object.__setattr__(self, "_core", core)
@@ -292,8 +371,8 @@ class Estimate:
         return f"<Estimate of {self._of_report('scene')!r}: {self.verdict}, fits: {self.fit}>"
 
     def __reduce__(self):
-        return _estimate, (self._take, self._options, self._text)
+        return _estimate, (self._take, self._options, self._words(), self._base)
 
 
-def _estimate(take, options, text):
-    return Estimate._of(take, options[:2], None, text, options[2])
+def _estimate(take, options, text, base):
+    return Estimate._of(take, options[:2], None, text=text, is_late=options[2], base=base)

@@ -1,10 +1,11 @@
 //! Estimates.
 
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use enact::motion::{LinkIndex, TrackIndex};
 use enact::physics::State;
+use enact::pipeline::KeptMotion;
 use enact::report::{EstimateMessage, json};
 use enact::sampling::{Moving, seen_less_moving, zero};
 use enact::service::{EstimateInMemory, TakeInMemory};
@@ -13,21 +14,48 @@ use pyo3::types::PyBytes;
 
 use crate::errors;
 use crate::numbers;
-use crate::scene::place;
+use crate::scene::{Scene, place};
+use crate::watch::{Watch, limit};
 
 /// An estimate with its take.
 #[pyclass(frozen, module = "enact_motion._core")]
 pub struct Estimate {
     take: Arc<TakeInMemory>,
     of: EstimateInMemory,
+    /// Whoever waits for it has let go of the interpreter.
+    kept: Mutex<Option<KeptMotion>>,
     /// Whether its deadline ended it.
     #[pyo3(get)]
     is_late: bool,
+    /// Whether it began at another estimate.
+    #[pyo3(get)]
+    is_warm: bool,
+    /// How long phases took \[s\].
+    spent: Vec<(&'static str, f64)>,
 }
 
 impl Estimate {
-    pub fn new(take: Arc<TakeInMemory>, of: EstimateInMemory, is_late: bool) -> Self {
-        Self { take, of, is_late }
+    pub fn new(
+        take: Arc<TakeInMemory>,
+        (of, kept): (EstimateInMemory, Option<KeptMotion>),
+        watch: Watch,
+    ) -> Self {
+        let spent = watch.spent.into_iter();
+        Self {
+            take,
+            of,
+            kept: Mutex::new(kept),
+            is_late: watch.is_late,
+            is_warm: false,
+            spent: spent
+                .map(|(phase, spent)| (phase.as_str(), spent.as_secs_f64()))
+                .collect(),
+        }
+    }
+
+    fn kept(&self) -> MutexGuard<'_, Option<KeptMotion>> {
+        // What panicked has only read it.
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn link(&self, body: &str) -> PyResult<LinkIndex> {
@@ -38,6 +66,11 @@ impl Estimate {
 
 #[pymethods]
 impl Estimate {
+    #[getter]
+    fn spent(&self) -> Vec<(&'static str, f64)> {
+        self.spent.clone()
+    }
+
     /// All that it says: the JSON that its file has.
     fn report(&self, py: Python<'_>) -> String {
         let outcome = &self.of.outcome;
@@ -92,6 +125,46 @@ impl Estimate {
             times_s.into_iter().chain(position_m).chain(turn_rad)
         });
         Ok(numbers::to_bytes(py, rows))
+    }
+
+    /// The names of numbers, and their covariances row by row; `None` where nothing tells them.
+    fn varied_together<'py>(&self, py: Python<'py>) -> Option<(Vec<String>, Bound<'py, PyBytes>)> {
+        let varied = py.detach(|| self.kept().as_ref()?.varied_together(&self.of.outcome))?;
+        let rows = varied.covariance.transpose();
+        Some((varied.names, numbers::to_bytes(py, rows.iter().copied())))
+    }
+
+    /// The estimate of the same take in a scene with other goals, from this one on; anew where that leads nowhere.
+    fn update(
+        &self,
+        py: Python<'_>,
+        scene: &Scene,
+        is_free_auto: bool,
+        is_diagnosing: bool,
+        deadline_s: Option<f64>,
+    ) -> PyResult<Self> {
+        let take = Arc::new(self.take.in_scene(&scene.of));
+        let mut watch = Watch::begin(limit(deadline_s));
+        let found = py.detach(|| {
+            let warm = match self.kept().as_ref() {
+                Some(kept) => take.with_goals_of(&self.of, kept, &mut watch)?,
+                None => None,
+            };
+            let is_warm = warm.is_some();
+            let of = match warm {
+                Some((of, kept)) => (of, Some(kept)),
+                None => take.estimate(is_free_auto, is_diagnosing, &mut watch)?,
+            };
+            Ok((of, is_warm))
+        });
+        if let Some(raised) = watch.raised.take() {
+            return Err(raised);
+        }
+        let (of, is_warm) = found.map_err(|error| errors::of_any(py, &error))?;
+        Ok(Self {
+            is_warm,
+            ..Self::new(take, of, watch)
+        })
     }
 
     /// Writes the file that `enact replay` writes.

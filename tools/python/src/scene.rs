@@ -1,12 +1,14 @@
 //! Scenes.
 
+use std::fmt::Display;
 use std::path::PathBuf;
 
 use enact::config::scene_from_toml;
 use enact::motion::{Sees, TrackIndex};
 use enact::service::{NewSceneJob, SceneInMemory, made_scene};
-use pyo3::exceptions::PyKeyError;
+use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
+use toml::Table;
 
 use crate::errors;
 
@@ -92,6 +94,19 @@ impl Scene {
             Ok(made) => Ok(made.toml),
             Err(error) => Err(errors::of_any(py, &error)),
         }
+    }
+
+    /// The same with these goals, JSON of what `[[goal]]` has, in place of its own.
+    fn with_goals(&self, py: Python<'_>, goals: &str) -> PyResult<Self> {
+        let refused = |error: &dyn Display| PyValueError::new_err(format!("goals: {error}"));
+        let goals: Vec<Table> = serde_json::from_str(goals).map_err(|error| refused(&error))?;
+        let mut table: Table = self.of.toml.parse().map_err(|error| refused(&error))?;
+        match goals.is_empty() {
+            true => table.remove("goal"),
+            false => table.insert("goal".to_owned(), goals.into()),
+        };
+        let toml = toml::to_string(&table).map_err(|error| refused(&error))?;
+        Self::new(py, toml, None)
     }
 
     #[getter]

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Duration;
 
 use enact::motion::{Holds, Mark, PoseSample, Stamp, TrackIndex};
 use enact::service::TakeInMemory;
@@ -14,7 +13,7 @@ use crate::errors;
 use crate::estimate::Estimate;
 use crate::numbers;
 use crate::scene::{Scene, place};
-use crate::watch::Watch;
+use crate::watch::{Watch, limit};
 
 /// A recording with the scene with which it is read.
 #[pyclass(frozen, module = "enact_motion._core")]
@@ -101,6 +100,13 @@ impl Take {
         }
     }
 
+    /// The same with a scene that has other goals.
+    fn in_scene(&self, scene: &Scene) -> Self {
+        Self {
+            of: Arc::new(self.of.in_scene(&scene.of)),
+        }
+    }
+
     #[getter]
     fn bytes<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, self.of.bytes())
@@ -124,14 +130,13 @@ impl Take {
         is_diagnosing: bool,
         deadline_s: Option<f64>,
     ) -> PyResult<Estimate> {
-        let limit = deadline_s.and_then(|limit_s| Duration::try_from_secs_f64(limit_s).ok());
-        let mut watch = Watch::begin(limit);
+        let mut watch = Watch::begin(limit(deadline_s));
         let estimated = py.detach(|| self.of.estimate(is_free_auto, is_diagnosing, &mut watch));
-        if let Some(raised) = watch.raised {
+        if let Some(raised) = watch.raised.take() {
             return Err(raised);
         }
         match estimated {
-            Ok(estimated) => Ok(Estimate::new(self.of.clone(), estimated, watch.is_late)),
+            Ok(estimated) => Ok(Estimate::new(self.of.clone(), estimated, watch)),
             Err(error) => Err(errors::of_any(py, &error)),
         }
     }

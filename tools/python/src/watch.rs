@@ -2,11 +2,16 @@
 
 use std::time::{Duration, Instant};
 
-use enact::motion::Observer;
+use enact::motion::{Observer, Phase};
 use pyo3::prelude::*;
 
 /// So often it is looked for signals.
 const BETWEEN: Duration = Duration::from_millis(20);
+
+/// A deadline in seconds; more than a clock counts is none.
+pub fn limit(deadline_s: Option<f64>) -> Option<Duration> {
+    deadline_s.and_then(|limit_s| Duration::try_from_secs_f64(limit_s).ok())
+}
 
 /// The observer of a run that has let go of the interpreter.
 pub struct Watch {
@@ -16,6 +21,10 @@ pub struct Watch {
     pub is_late: bool,
     /// What a signal raised: `KeyboardInterrupt`.
     pub raised: Option<PyErr>,
+    /// What goes on, since when.
+    phase: (Phase, Instant),
+    /// How long each phase took in all, in the order in which they first began.
+    pub spent: Vec<(Phase, Duration)>,
 }
 
 impl Watch {
@@ -27,11 +36,25 @@ impl Watch {
             looked: now,
             is_late: false,
             raised: None,
+            phase: (Phase::Done, now),
+            spent: Vec::new(),
         }
     }
 }
 
 impl Observer for Watch {
+    fn phase(&mut self, phase: Phase) {
+        let now = Instant::now();
+        let (last, since) = std::mem::replace(&mut self.phase, (phase, now));
+        if last == Phase::Done {
+            return;
+        }
+        match self.spent.iter_mut().find(|(of, _)| *of == last) {
+            Some((_, all)) => *all += now - since,
+            None => self.spent.push((last, now - since)),
+        }
+    }
+
     fn should_stop(&mut self) -> bool {
         let now = Instant::now();
         self.is_late |= self.deadline.is_some_and(|deadline| now >= deadline);
