@@ -107,12 +107,13 @@ impl TakeInMemory {
         &self,
         before: &EstimateInMemory,
         kept: &KeptMotion,
+        is_told: bool,
         observer: &mut dyn Observer,
     ) -> anyhow::Result<Option<(EstimateInMemory, KeptMotion)>> {
         let scene = self.opened.scene.for_reading();
         guarded(|| {
             let taken = &before.pipeline;
-            let found = kept.with_goals_of(scene, taken.scene(), taken.marks(), observer);
+            let found = kept.with_goals_of(scene, taken.scene(), taken.marks(), is_told, observer);
             Ok(found.map(|(kept, outcome)| {
                 let pipeline = taken.clone().in_scene(scene.clone());
                 (EstimateInMemory { outcome, pipeline }, kept)

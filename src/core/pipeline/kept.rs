@@ -7,27 +7,35 @@ use crate::estimate::{Deviations, VariedTogether};
 use crate::motion::{Observer, Penetration, Phase, Scene, Verdict};
 use crate::verify::overlaps;
 
+/// An observer that has no time for more.
+struct NoTime;
+
+impl Observer for NoTime {
+    fn should_stop(&mut self) -> bool {
+        true
+    }
+}
+
 /// The motion of one group of bodies by themselves, from which an estimate was made.
 #[derive(Clone)]
 pub struct KeptMotion(pub(super) Performed);
 
 impl KeptMotion {
     /// How the numbers of its estimate vary together; `None` where it failed.
-    pub fn varied_together(&self, of: &Outcome) -> Option<VariedTogether> {
+    pub fn varied_together(&self) -> Option<VariedTogether> {
         let inferred = &self.0.inferred;
-        inferred
-            .solved
-            .varied_together(&inferred.scene, &of.estimate)
+        inferred.solved.varied_together(&inferred.scene)
     }
 
     /// The same take of a scene with other goals, from this motion on: a few steps where they are near. `None` where the scene
-    /// differs from the one `taken`, with so many marks, in anything else, or where no motion is found from here. Told and checked
-    /// as previews are: deviations of numbers, gaps, credibility, overlaps.
+    /// differs from the one `taken`, with so many marks, in anything else, or where no motion is found from here. Checked as
+    /// previews are: gaps, credibility, overlaps. How certain numbers are is told if that is asked; it takes longer than all else.
     pub fn with_goals_of(
         &self,
         scene: &Scene,
         taken: &Scene,
         marks: usize,
+        is_told: bool,
         observer: &mut dyn Observer,
     ) -> Option<(Self, Outcome)> {
         let marked = |scene: &Scene| scene.with_marks(marks).with_flight_clocks();
@@ -44,13 +52,18 @@ impl KeptMotion {
         let found = solved.with_goals_of(performance, observer)?;
         performed.inferred.solved = found;
         let of = performed.clone();
+        let mut no_time = NoTime;
+        let telling: &mut dyn Observer = match is_told {
+            true => &mut *observer,
+            false => &mut no_time,
+        };
         let mut outcome = Outcome::unchecked(
             of.inferred,
             of.marks_made_s,
             of.sketch,
             of.counts,
             Deviations::OfNumbers,
-            observer,
+            telling,
         );
         observer.phase(Phase::Verify);
         let mut all = doubts(&outcome);

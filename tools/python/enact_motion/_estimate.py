@@ -283,7 +283,7 @@ class Estimate:
         on the right, and ``angular_velocity`` about the principal axes. Empty where nothing tells how certain the motion is: of
         one that failed, of joined bodies, of several groups of bodies that never meet.
         """
-        return self._varied()[0]
+        return tuple(self._varied()[0])
 
     def covariance(self, names=None):
         """The covariances (n, n) of numbers, in the order of their names, :attr:`numbers` by default.
@@ -306,11 +306,12 @@ class Estimate:
         chosen.flags.writeable = False
         return chosen
 
-    def update(self, *, goals, deadline=None):
+    def update(self, *, goals, sd=True, deadline=None):
         """The estimate of the same take with other goals, from this one on: the live path of an editor.
 
-        ``goals``: a list of dicts with the keys of ``[[goal]]`` (``docs/goals.md``), in place of all of the scene's. ``deadline``:
-        as for :meth:`Take.estimate`. The same optimum to the solver's tolerance, in a few steps, samples weighed as in this
+        ``goals``: a list of dicts with the keys of ``[[goal]]`` (``docs/goals.md``), in place of all of the scene's. ``sd``: whether
+        standard deviations are told, which takes most of the time; without, nothing is said to be determined, and
+        :meth:`covariance` tells them later. ``deadline``: as for :meth:`Take.estimate`. The same optimum to the solver's tolerance, in a few steps, samples weighed as in this
         one; checked for gaps and overlaps, and not asked whether it fits. Where that leads nowhere (:attr:`is_warm`) it is estimated
         anew. Raises :class:`SceneError` for a goal that is refused.
 
@@ -329,8 +330,8 @@ class Estimate:
 
         core = self._take.scene._core.with_goals(json.dumps(list(goals), default=plain))
         free, diagnose, _ = self._options
-        found = self._made().update(core, free, diagnose, _arrays.limit(deadline))
-        return Estimate._of(self._take._in_scene(core), (free, diagnose), found, base=self)
+        found = self._made().update(core, bool(sd), free, diagnose, _arrays.limit(deadline))
+        return Estimate._of(self._take._in_scene(core), (free, diagnose), found, base=(self, bool(sd)))
 
     def write(self, path):
         """Writes the recording with the estimate beside it: byte for byte what ``enact replay`` writes.
@@ -361,7 +362,8 @@ class Estimate:
             if self._base is None:
                 core = self._take._made().estimate(free, diagnose, None)
             else:
-                core = self._base._made().update(self._take.scene._core, free, diagnose, None)
+                base, sd = self._base
+                core = base._made().update(self._take.scene._core, sd, free, diagnose, None)
             if core.report() != self._text:
                 raise ValueError("another version made this estimate, and it was pickled: its motion is another one")
             object.__setattr__(self, "_core", core)

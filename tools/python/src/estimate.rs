@@ -129,7 +129,7 @@ impl Estimate {
 
     /// The names of numbers, and their covariances row by row; `None` where nothing tells them.
     fn varied_together<'py>(&self, py: Python<'py>) -> Option<(Vec<String>, Bound<'py, PyBytes>)> {
-        let varied = py.detach(|| self.kept().as_ref()?.varied_together(&self.of.outcome))?;
+        let varied = py.detach(|| self.kept().as_ref()?.varied_together())?;
         let rows = varied.covariance.transpose();
         Some((varied.names, numbers::to_bytes(py, rows.iter().copied())))
     }
@@ -139,6 +139,7 @@ impl Estimate {
         &self,
         py: Python<'_>,
         scene: &Scene,
+        is_told: bool,
         is_free_auto: bool,
         is_diagnosing: bool,
         deadline_s: Option<f64>,
@@ -147,7 +148,7 @@ impl Estimate {
         let mut watch = Watch::begin(limit(deadline_s));
         let found = py.detach(|| {
             let warm = match self.kept().as_ref() {
-                Some(kept) => take.with_goals_of(&self.of, kept, &mut watch)?,
+                Some(kept) => take.with_goals_of(&self.of, kept, is_told, &mut watch)?,
                 None => None,
             };
             let is_warm = warm.is_some();

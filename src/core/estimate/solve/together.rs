@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Solved, covariance};
+use super::{Solved, covariance, deviation};
 use crate::estimate::covariance::{Moment, timing};
-use crate::motion::{AtBound, Estimate, MotionPart, Scene, Verdict};
+use crate::motion::{AtBound, MotionPart, Scene, Verdict};
 
 /// Covariances of numbers by their names. What is fixed varies by nothing; of what is not determined it is not a number.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,14 +28,16 @@ struct VariedNumber {
 }
 
 impl Solved {
-    /// The covariances of all numbers that have a standard deviation in the estimate, and of the states; `None` where the motion
+    /// The covariances of all numbers of which a standard deviation is told, and of the states; `None` where the motion
     /// failed, or their matrix cannot be factorised.
-    pub fn varied_together(&self, scene: &Scene, told: &Estimate) -> Option<VariedTogether> {
-        if told.verdict == Verdict::Failed {
+    pub fn varied_together(&self, scene: &Scene) -> Option<VariedTogether> {
+        if self.estimate.verdict == Verdict::Failed {
             return None;
         }
         let (point, context) = (&self.solution.point, self.context());
         let known = covariance(&context, &self.solution, self.in_time(&context))?;
+        let mut told = self.estimate.clone();
+        deviation::fill(&mut told, scene, &context, &self.solution, Some(&known));
         let events = told.events.iter().map(|event| VariedNumber {
             name: scene.events[event.event].name.clone(),
             moment: match event.is_fixed {
