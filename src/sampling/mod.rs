@@ -3,7 +3,7 @@
 //!
 //! [`SampledMotion`] has all of a motion: the estimated flights and what is simulated after them, and
 //! the performance at its physical times. [`frames`] makes them body by body, [`deviations`] says how certain they are, [`joints`] has the angles of
-//! bodies that are joined, joint by joint as [`hinges`]; [`Moving`] tells states at any times.
+//! bodies that are joined, joint by joint as [`hinges`]; [`MovedBody`] tells states at any times.
 
 pub mod deviations;
 pub mod error;
@@ -19,4 +19,4 @@ pub use frames::{estimate_frames, make_signs_continuous, sketch_frames, stamp, z
 pub use hinges::{hinge_angles, hinge_axes};
 pub use joints::{JointSample, SampledJoints};
 pub use motion::SampledMotion;
-pub use moving::{Moving, seen_less_moving};
+pub use moving::{MovedBody, seen_less_moving};

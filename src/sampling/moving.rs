@@ -10,7 +10,7 @@ use crate::physics::State;
 use crate::physics::tree::{Snapshot, Tree};
 
 /// The motion of one link. Of a failed estimate it may be of any numbers, or none.
-pub struct Moving<'a> {
+pub struct MovedBody<'a> {
     scene: &'a Scene,
     estimate: &'a Estimate,
     link: LinkIndex,
@@ -28,7 +28,7 @@ enum MovedLink<'a> {
     },
 }
 
-impl<'a> Moving<'a> {
+impl<'a> MovedBody<'a> {
     /// That of a link; `None` where it has none. The scene is as estimated.
     pub fn new(scene: &'a Scene, estimate: &'a Estimate, link: LinkIndex) -> Option<Self> {
         let mechanism = scene.mechanism_of(link);
@@ -136,7 +136,7 @@ pub fn seen_less_moving(
 ) -> Vec<SeenLess> {
     let of = &scene.tracks[track];
     let (Some(moving), Some(stream)) = (
-        Moving::new(scene, estimate, of.link),
+        MovedBody::new(scene, estimate, of.link),
         sketch.tracks.get(track),
     ) else {
         return Vec::new();

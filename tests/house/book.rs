@@ -11,7 +11,10 @@ use std::process::Command;
 use tempfile::TempDir;
 
 /// Pages whose commands other tests run, with what the page says in words of its files.
-const RUN_ELSEWHERE: [(&str, &str); 1] = [("sketch.md", "tests/sketch/written.rs")];
+const RUN_ELSEWHERE: [(&str, &str); 2] = [
+    ("sketch.md", "tests/sketch/written.rs"),
+    ("python.md", "tools/python/check.sh"),
+];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -11,7 +11,7 @@ times from the first sample.
 >>> import enact_motion
 >>> scene = enact_motion.Scene.new("die", mass_g=1000, size_mm=[100, 100, 100], stamps="physical")
 >>> scene.bodies, scene.tracks, scene.events
-(('die',), ('die',), ('start', 'bounce', 'end'))
+(('die',), ('die',), ('bounce', 'landing'))
 """
 
 from . import _arrays
@@ -100,7 +100,7 @@ class Scene:
         "physical" where stamps are times of the motion itself. ``lands``: the axis or face that is up in the end.
 
         >>> Scene.new("die", bounces=2).events
-        ('start', 'bounce 1', 'bounce 2', 'end')
+        ('bounce 1', 'bounce 2', 'landing')
         >>> Scene.new("dye")
         Traceback (most recent call last):
             ...
@@ -190,7 +190,7 @@ class Take:
     >>> position = np.stack([t, 0 * t, 1 - 4.9 * t**2], axis=1)
     >>> take = Take(scene).poses("die", t, position, np.tile([1, 0, 0, 0], (21, 1)), order="wxyz")
     >>> take.mark("bounce", 0.2)
-    <Take of 'a die of 16 mm': 21 poses, 1 marks>
+    <Take of 'die': 21 poses, 1 marks>
     """
 
     __slots__ = ("_core", "_marks", "_name", "_poses", "_read", "_scene")
@@ -242,7 +242,7 @@ class Take:
         >>> Take(Scene.new("die")).mark("bonuce", 0.2)
         Traceback (most recent call last):
             ...
-        KeyError: "event: no 'bonuce' in the scene, expected one of start, bounce, end"
+        KeyError: "event: no 'bonuce' in the scene, expected one of bounce, landing"
         """
         self._check_open()
         # One of a repeated collision has a number after its name.

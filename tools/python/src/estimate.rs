@@ -7,7 +7,7 @@ use enact::motion::{LinkIndex, TrackIndex};
 use enact::physics::State;
 use enact::pipeline::KeptMotion;
 use enact::report::{EstimateMessage, json};
-use enact::sampling::{Moving, seen_less_moving, zero};
+use enact::sampling::{MovedBody, seen_less_moving, zero};
 use enact::service::{EstimateInMemory, TakeInMemory};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -89,7 +89,7 @@ impl Estimate {
     /// From when to when a body's motion is known \[s\].
     fn span(&self, body: &str) -> PyResult<Option<[f64; 2]>> {
         let outcome = &self.of.outcome;
-        let moving = Moving::new(&outcome.scene, &outcome.estimate, self.link(body)?);
+        let moving = MovedBody::new(&outcome.scene, &outcome.estimate, self.link(body)?);
         Ok(moving.and_then(|of| of.span_s()))
     }
 
@@ -104,7 +104,7 @@ impl Estimate {
         let link = self.link(body)?;
         let outcome = &self.of.outcome;
         let states = py.detach(|| {
-            let moving = Moving::new(&outcome.scene, &outcome.estimate, link);
+            let moving = MovedBody::new(&outcome.scene, &outcome.estimate, link);
             moving.map_or_else(Vec::new, |of| of.states(&times_s))
         });
         Ok(numbers::to_bytes(py, states.iter().flat_map(row)))

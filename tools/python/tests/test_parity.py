@@ -11,7 +11,9 @@ import enact_motion
 
 def replayed(program, recording, output, *more):
     command = [program, "replay", str(recording), "-o", str(output), *more]
-    subprocess.run(command, check=True, capture_output=True, timeout=120)
+    ran = subprocess.run(command, capture_output=True, timeout=120)
+    # 3: it is done, and something speaks against the motion.
+    assert ran.returncode in (0, 3), ran.stderr
     return output.read_bytes()
 
 
@@ -32,7 +34,7 @@ def test_a_recording_is_estimated_as_by_the_program(program, path, free, tmp_pat
 def test_a_scene_of_its_own_and_no_diagnoses_are_as_by_the_program(program, recordings, tmp_path):
     path = recordings["pencil_tip"]
     scene = tmp_path / "scene.toml"
-    scene.write_text(enact_motion.read(path).scene.toml.replace("0.944", "0.9"))
+    scene.write_text(enact_motion.read(path).scene.toml.replace("restitution = 0.75", "restitution = 0.7"))
     more = ["--scene", str(scene), "--no-diagnose"]
     expected = replayed(program, path, tmp_path / "program.mcap", *more)
     take = enact_motion.read(path, scene=enact_motion.Scene.from_file(scene))
@@ -49,7 +51,7 @@ def test_a_take_of_arrays_is_the_recording_that_it_makes(program, recordings, tm
     turn = 0.5 * 1.5 * t
     quaternion = np.stack([np.cos(turn), 0 * t, np.sin(turn), 0 * t], axis=1)
     take = enact_motion.Take(scene).poses("die", t, position, quaternion, order="wxyz")
-    take.mark("start", 0).mark("bounce", 0.35).mark("end", 0.69)
+    take.mark("bounce", 0.35).mark("landing", 0.69)
     (tmp_path / "take.mcap").write_bytes(take.to_bytes())
     expected = replayed(program, tmp_path / "take.mcap", tmp_path / "program.mcap")
     take.estimate().write(tmp_path / "wheel.mcap")
