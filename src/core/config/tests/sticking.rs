@@ -49,7 +49,10 @@ fn what_is_not_computed_is_refused() {
             "neither drag nor force_m_s2",
         ),
         (
-            TWO.replace("mass_g = 80\n", "mass_g = 80\nlift = 0.01\n"),
+            TWO.replace(
+                "shape = { kind = \"cuboid\", size_mm = [90, 80, 70] }\n",
+                "shape = { kind = \"sphere\", radius_mm = 40 }\nlift = 0.01\n",
+            ),
             "nor lift",
         ),
         (
