@@ -79,7 +79,7 @@ struct Finished {
     known: Option<Vec<LastState>>,
     /// What was done for goals at rest.
     sought: Option<Sought>,
-    /// The motion itself; `None` where several groups move, or joined bodies.
+    /// The motion itself; `None` where several groups move, or joined bodies, and of a prediction.
     kept: Option<KeptMotion>,
 }
 
@@ -329,7 +329,7 @@ impl Pipeline {
         let predicting = self.is_predicting.then_some(&solved.inferred.solved);
         let known = predicting.and_then(Solved::last_states);
         let may_keep_out = !self.is_predicting && sought.is_none();
-        let mut kept = KeptMotion(solved.clone());
+        let mut kept = (!self.is_predicting).then(|| KeptMotion(solved.clone()));
         let mut outcome = solved.outcome(after.observer);
         if self.is_predicting {
             outcome.end_where_it_touches();
@@ -338,9 +338,9 @@ impl Pipeline {
         if may_keep_out && let Some(ended) = self.ended_early(scene, &outcome, after) {
             return Ok(ended);
         }
-        let is_overlapping = may_keep_out && only_overlaps(&outcome);
-        let overlapping = is_overlapping.then(|| kept.0.clone());
-        if let Some(mut out) = overlapping.and_then(|of| kept_out(of, after)) {
+        let overlapping = kept.as_ref().filter(|_| may_keep_out);
+        let overlapping = overlapping.filter(|_| only_overlaps(&outcome));
+        if let Some(mut out) = overlapping.and_then(|of| kept_out(of.0.clone(), after)) {
             out.refine_again(after);
             led = self.judged(&mut out, after)?;
             let passed = out.inferred.solved.just_passed(scene.tolerance_m);
@@ -348,7 +348,7 @@ impl Pipeline {
             checked(&mut other, led, passed, after.observer);
             let still_fits = other.estimate.fits() != Fits::No;
             if still_fits && !goes_into_something(&other) {
-                (outcome, kept) = (other, KeptMotion(out));
+                (outcome, kept) = (other, Some(KeptMotion(out)));
             }
         }
         outcome.freed = freed;
@@ -370,7 +370,7 @@ impl Pipeline {
             outcome,
             known,
             sought,
-            kept: Some(kept),
+            kept,
         })
     }
 

@@ -159,7 +159,7 @@ impl Solved {
         } = self;
         let context = posed.context(epochs_s, &solution.point);
         // Without time for them nothing is told to be determined.
-        let has_time = !observer.should_stop();
+        let has_time = which != Deviations::None && !observer.should_stop();
         let told = || in_time.get_or_init(|| adequacy::in_time(&context, &solution));
         let in_time = has_time.then(told).and_then(Option::as_ref);
         let covariance = has_time.then(|| covariance(&context, &solution, in_time));
@@ -176,6 +176,8 @@ impl Solved {
 /// Of what standard deviations are told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Deviations {
+    /// None: nothing is told to be determined.
+    None,
     /// Of times and parameters.
     OfNumbers,
     /// Of the states along flights, too.
@@ -297,6 +299,35 @@ impl Posed {
         let mut found = recipe::solve(&self.problem, &self.layout, guess, recipe, &mut bounded);
         found.stopped &= !bounded.is_used_up();
         found
+    }
+
+    /// The optimum from a point that is near it: by the last of the steps, or by all of them but the sweep, with the work of both.
+    /// `None` where neither converges.
+    fn solved_near(
+        &self,
+        start: &Point,
+        epochs_s: &[f64],
+        observer: &mut dyn Observer,
+    ) -> Option<Solution> {
+        let mut work = Work::default();
+        let recipes = [
+            Recipe::default().from_the_last(),
+            Recipe::default().without_sweep(),
+        ];
+        let mut found = recipes.iter().filter_map(|recipe| {
+            let found = recipe::solve_from(
+                &self.problem,
+                &self.layout,
+                start.clone(),
+                epochs_s.to_vec(),
+                recipe,
+                &mut bounded(observer),
+            );
+            work.add(&found.work);
+            found.finished.converged.then_some(found)
+        });
+        let found = found.next()?;
+        Some(Solution { work, ..found })
     }
 }
 

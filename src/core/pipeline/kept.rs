@@ -2,19 +2,9 @@
 
 use super::outcome::Outcome;
 use super::perform::Performed;
-use super::stages::doubts;
+use super::stages::doubts_with_overlap;
 use crate::estimate::{Deviations, VariedTogether};
-use crate::motion::{Observer, Penetration, Phase, Scene, Verdict};
-use crate::verify::overlaps;
-
-/// An observer that has no time for more.
-struct NoTime;
-
-impl Observer for NoTime {
-    fn should_stop(&mut self) -> bool {
-        true
-    }
-}
+use crate::motion::{Observer, Phase, Scene};
 
 /// The motion of one group of bodies by themselves, from which an estimate was made.
 #[derive(Clone)]
@@ -52,29 +42,21 @@ impl KeptMotion {
         let found = solved.with_goals_of(performance, observer)?;
         performed.inferred.solved = found;
         let of = performed.clone();
-        let mut no_time = NoTime;
-        let telling: &mut dyn Observer = match is_told {
-            true => &mut *observer,
-            false => &mut no_time,
+        let which = match is_told {
+            true => Deviations::OfNumbers,
+            false => Deviations::None,
         };
         let mut outcome = Outcome::unchecked(
             of.inferred,
             of.marks_made_s,
             of.sketch,
             of.counts,
-            Deviations::OfNumbers,
-            telling,
+            which,
+            observer,
         );
         observer.phase(Phase::Verify);
-        let mut all = doubts(&outcome);
-        if outcome.estimate.verdict != Verdict::Failed {
-            let found = overlaps(&outcome.scene, &outcome.estimate, observer);
-            let deepest = found
-                .into_iter()
-                .fold(None, |deepest, of| Penetration::deeper(deepest, Some(of)));
-            all.extend(deepest.map(|of| of.doubt(outcome.scene.tolerance_m)));
-        }
-        outcome.estimate.doubt(all);
+        let doubts = doubts_with_overlap(&outcome, observer);
+        outcome.estimate.doubt(doubts);
         observer.phase(Phase::Done);
         Some((Self(performed), outcome))
     }

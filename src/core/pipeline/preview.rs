@@ -18,14 +18,13 @@ use super::follow::follow;
 use super::infer::Inferred;
 use super::outcome::{Outcome, PipelineError};
 use super::sound::is_sound;
-use super::stages::{account, cut, doubts, solve};
+use super::stages::{account, cut, doubts_with_overlap, solve};
 use super::warm::{self, Known};
 use crate::estimate::{self, Deviations, Recipe, Solved};
 use crate::motion::{
-    Estimate, EventKind, Observer, Penetration, Phase, Scene, Segment, Sketch, TakeEvent, Verdict,
+    Estimate, EventKind, Observer, Phase, Scene, Segment, Sketch, TakeEvent, Verdict,
 };
 use crate::segment;
-use crate::verify::overlaps;
 
 /// Growth of the number of samples after which the estimation begins anew.
 const GROWTH: f64 = 1.5;
@@ -161,14 +160,7 @@ impl Preview {
             Deviations::OfNumbers,
             observer,
         );
-        let mut doubts = doubts(&outcome);
-        if outcome.estimate.verdict != Verdict::Failed {
-            let found = overlaps(&outcome.scene, &outcome.estimate, observer);
-            let deepest = found
-                .into_iter()
-                .fold(None, |deepest, of| Penetration::deeper(deepest, Some(of)));
-            doubts.extend(deepest.map(|of| of.doubt(outcome.scene.tolerance_m)));
-        }
+        let doubts = doubts_with_overlap(&outcome, observer);
         outcome.estimate.doubt(doubts);
         let last = self.last.insert(Last {
             asked: scene,

@@ -5,11 +5,11 @@ use super::outcome::{Outcome, PipelineError};
 use crate::estimate::Recipe;
 use crate::initialise;
 use crate::motion::{
-    Doubt, DropReason, Observer, Phase, SampleCounts, Scene, Segment, Sketch, TrackIndex, Verdict,
-    Verification,
+    Doubt, DropReason, Observer, Penetration, Phase, SampleCounts, Scene, Segment, Sketch,
+    TrackIndex, Verdict, Verification,
 };
 use crate::segment::{self, SegmentError};
-use crate::verify::credible;
+use crate::verify::{credible, overlaps};
 
 /// A sketch cut at its marks.
 #[derive(Clone, Debug)]
@@ -128,6 +128,17 @@ fn gripped(scene: &Scene, sketch: &Sketch, track: TrackIndex) -> Option<[usize; 
         [from, samples.partition_point(|of| of.acted_s <= until_s)]
     });
     ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+}
+
+/// The same, with the deepest overlap that is found until the observer ends it: all that a preview looks at.
+pub(super) fn doubts_with_overlap(outcome: &Outcome, observer: &mut dyn Observer) -> Vec<Doubt> {
+    let mut all = doubts(outcome);
+    if outcome.estimate.verdict != Verdict::Failed {
+        let found = overlaps(&outcome.scene, &outcome.estimate, observer).into_iter();
+        let deepest = found.fold(None, |deepest, of| Penetration::deeper(deepest, Some(of)));
+        all.extend(deepest.map(|of| of.doubt(outcome.scene.tolerance_m)));
+    }
+    all
 }
 
 /// Doubts about a motion whose gaps are closed: from the checks that were made, and from its

@@ -1,9 +1,8 @@
 //! The motion of the same performance with other goals, from the one that was found on: what an editor asks for again and again.
 
-use super::{Posed, Solved, add, bounded};
+use super::{Posed, Solved, add};
 use crate::estimate::posing::Nodes;
 use crate::estimate::problem::Problem;
-use crate::estimate::schedule::recipe::{self, Recipe};
 use crate::motion::{Observer, Performance, Verdict};
 
 impl Solved {
@@ -18,27 +17,9 @@ impl Solved {
             return None;
         }
         let posed = Posed::new(self.problem_of(performance));
-        let solve = |recipe: Recipe, observer: &mut dyn Observer| {
-            recipe::solve_from(
-                &posed.problem,
-                &posed.layout,
-                self.solution.point.clone(),
-                self.epochs_s.clone(),
-                &recipe,
-                &mut bounded(observer),
-            )
-        };
-        let mut solution = solve(Recipe::default().from_the_last(), observer);
-        let mut work = solution.work;
-        if !solution.finished.converged {
-            solution = solve(Recipe::default().without_sweep(), observer);
-            work.add(&solution.work);
-        }
-        if !solution.finished.converged {
-            return None;
-        }
+        let solution = posed.solved_near(&self.solution.point, &self.epochs_s, observer)?;
         let mut counters = Default::default();
-        add(&mut counters, &work, 1);
+        add(&mut counters, &solution.work, 1);
         Some(self.with_solution(posed, solution, performance, counters))
     }
 

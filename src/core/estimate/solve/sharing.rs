@@ -3,10 +3,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Posed, Solved, bounded};
+use super::{Posed, Solved};
 use crate::estimate::outcome;
 use crate::estimate::problem::{Bounded, Problem};
-use crate::estimate::schedule::recipe::{self, Recipe, Solution};
+use crate::estimate::schedule::recipe::Solution;
 use crate::estimate::terms::context::{Guidance, SolveContext};
 use crate::motion::{Cone, Fits, Observer, TakeShare};
 use crate::optimise::Program;
@@ -92,37 +92,22 @@ impl SharedMotion {
         change: &DVector<f64>,
         observer: &mut dyn Observer,
     ) -> Option<(Solution, Reduced)> {
-        let Posed { problem, layout } = &self.posed;
         let mut start = self.solution.point.clone();
         let units = self.units();
         if !self.responses.is_empty() && change.amax() > 0.0 {
             let context = self.context(&self.solution);
             let along = self.responses.iter().zip(change.iter().zip(&units));
-            let step = along.fold(DVector::zeros(layout.size()), |sum, (response, by)| {
-                sum + response * (by.0 / by.1)
-            });
+            let step = along.fold(
+                DVector::zeros(self.posed.layout.size()),
+                |sum, (response, by)| sum + response * (by.0 / by.1),
+            );
             let from = start.clone();
             context.retract(&from, &step, &mut start);
         }
         for (parameter, value) in self.parameters.iter().zip(values.iter()) {
             start.parameters[*parameter] = *value;
         }
-        let recipes = [
-            Recipe::default().from_the_last(),
-            Recipe::default().without_sweep(),
-        ];
-        let mut found = recipes.iter().filter_map(|recipe| {
-            let found = recipe::solve_from(
-                problem,
-                layout,
-                start.clone(),
-                self.epochs_s.clone(),
-                recipe,
-                &mut bounded(observer),
-            );
-            found.finished.converged.then_some(found)
-        });
-        let mut solution = found.next()?;
+        let mut solution = self.posed.solved_near(&start, &self.epochs_s, observer)?;
         let context = self.context(&solution);
         let reduced = Reduced::of(&context, &Guidance::none(), &mut solution, &self.rows())?;
         Some((solution, reduced))
