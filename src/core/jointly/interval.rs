@@ -10,7 +10,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::parameter::{JointParameter, lengths};
-use super::part::{MeanPart, Total};
+use super::part::MeanPart;
 use super::search::JointSearch;
 use super::spread::TakesField;
 use super::weak::without;
@@ -66,7 +66,7 @@ impl Optimum {
     /// The optimum of a search; `None` where nothing is free and determined.
     pub(super) fn of(joint: &JointSearch, parts: &[MeanPart]) -> Option<Self> {
         let parameters = joint.parameters();
-        let total = Total::of(parameters, joint.mean(), parts.iter());
+        let total = joint.total(parts);
         let basis = kept(joint)?;
         let inner = basis.transpose() * &total.information * &basis;
         let factor = Cholesky::new(inner)?;
@@ -123,7 +123,6 @@ impl Optimum {
 /// Orthonormal directions that are neither at a bound nor undetermined.
 fn kept(joint: &JointSearch) -> Option<DMatrix<f64>> {
     let bounded = joint.bounded();
-    let free: Vec<usize> = (0..bounded.len()).filter(|at| !bounded[*at]).collect();
     let mut projector = without(&joint.held());
     for at in (0..bounded.len()).filter(|at| bounded[*at]) {
         projector.row_mut(at).fill(0.0);
@@ -136,7 +135,7 @@ fn kept(joint: &JointSearch) -> Option<DMatrix<f64>> {
         .zip(eigen.eigenvectors.column_iter());
     let columns = columns.filter(|(value, _)| **value > 1.0 - DETERMINED);
     let columns: Vec<DVector<f64>> = columns.map(|(_, column)| column.into_owned()).collect();
-    (!free.is_empty() && !columns.is_empty()).then(|| DMatrix::from_columns(&columns))
+    (!columns.is_empty()).then(|| DMatrix::from_columns(&columns))
 }
 
 /// `(1 − B)^(−1/2)`.
@@ -152,10 +151,7 @@ impl JointSearch {
     /// The joint values with their intervals, and their correlations, at the optimum.
     pub fn intervals(&self, shares: &[Option<TakeShare>]) -> (Vec<JointInterval>, DMatrix<f64>) {
         let parts = self.parts(shares);
-        let of_means: Vec<MeanPart> = parts
-            .iter()
-            .map(|of| of.of_means(self.variances()))
-            .collect();
+        let of_means = self.of_means(&parts);
         let count = self.parameters().len();
         let none = || (DMatrix::zeros(count, count), DVector::zeros(count));
         let (covariance, freedoms) =

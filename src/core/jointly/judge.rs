@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::interval::Optimum;
-use super::parameter::lengths;
-use super::part::{MeanPart, PlainPart};
+use super::interval::{JointInterval, Optimum};
+use super::parameter::{NORMAL_MEDIAN, lengths};
+use super::part::PlainPart;
 use super::search::JointSearch;
 use crate::motion::TakeShare;
 
@@ -52,15 +52,14 @@ pub enum Standout {
 }
 
 impl JointSearch {
-    /// What is said of each take at the optimum; none of those that take no part.
-    pub fn judged(&self, shares: &[Option<TakeShare>]) -> Vec<Option<TakeJudged>> {
+    /// What is said of each take at the optimum, of which the intervals are known; none of those that take no part.
+    pub fn judged(
+        &self,
+        shares: &[Option<TakeShare>],
+        intervals: &[JointInterval],
+    ) -> Vec<Option<TakeJudged>> {
         let parts = self.parts(shares);
-        let of_means: Vec<MeanPart> = parts
-            .iter()
-            .map(|of| of.of_means(self.variances()))
-            .collect();
-        let optimum = Optimum::of(self, &of_means);
-        let sds = self.deviations(shares);
+        let optimum = Optimum::of(self, &self.of_means(&parts));
         let own: Vec<Vec<Option<[f64; 2]>>> = parts.iter().map(|of| self.own(of)).collect();
         let offs = self.offs(&own);
         let taking: Vec<&TakeShare> = shares
@@ -79,8 +78,8 @@ impl JointSearch {
                 || DVector::zeros(lengths.len()),
                 |of| of.influence(take).component_mul(&lengths),
             );
-            let times = influence.iter().zip(&sds).enumerate();
-            let times = times.filter_map(|(at, (by, sd))| Some((at, by.abs() / (*sd)?)));
+            let times = influence.iter().zip(intervals).enumerate();
+            let times = times.filter_map(|(at, (by, of))| Some((at, by.abs() / of.sd?)));
             let most = times.max_by(|a, b| a.1.total_cmp(&b.1));
             let farthest = offs[take].iter().copied().enumerate();
             let farthest = farthest.filter_map(|(at, off)| Some((at, off?)));
@@ -107,17 +106,10 @@ impl JointSearch {
         each.collect()
     }
 
-    fn deviations(&self, shares: &[Option<TakeShare>]) -> Vec<Option<f64>> {
-        let (intervals, _) = self.intervals(shares);
-        intervals.into_iter().map(|of| of.sd).collect()
-    }
-
     /// The values that a take by itself tells, with their deviations, in lengths.
     fn own(&self, part: &PlainPart) -> Vec<Option<[f64; 2]>> {
         let count = self.parameters().len();
-        // As much as a typical change is known of what it does not tell.
-        let information = &part.curvature + DMatrix::identity(count, count);
-        let Some(covariance) = information.try_inverse() else {
+        let Some(covariance) = part.alone() else {
             return vec![None; count];
         };
         let off = -(&covariance * &part.gradient);
@@ -155,9 +147,6 @@ impl JointSearch {
         each.collect()
     }
 }
-
-/// Median size of a standard normal number.
-const NORMAL_MEDIAN: f64 = 0.674_49;
 
 impl Optimum {
     /// By how much the joint values, in lengths, would change without a take, to first order.

@@ -70,6 +70,9 @@ impl JointParameter {
     }
 }
 
+/// Median size of a standard normal number.
+pub(super) const NORMAL_MEDIAN: f64 = 0.674_49;
+
 /// Lengths of parameters.
 pub(super) fn lengths(parameters: &[JointParameter]) -> DVector<f64> {
     let lengths = parameters.iter().map(|of| of.length);

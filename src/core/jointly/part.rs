@@ -73,6 +73,12 @@ impl PlainPart {
         }
     }
 
+    /// Covariance of its own values by itself, as much as a typical change known beforehand of what it does not tell.
+    pub(super) fn alone(&self) -> Option<DMatrix<f64>> {
+        let count = self.gradient.len();
+        (&self.curvature + DMatrix::identity(count, count)).try_inverse()
+    }
+
     /// `M = (T⁻¹ + S_DD)⁻¹ = √T (1 + √T S √T)⁻¹ √T`, which is zero where `T` is.
     fn own(&self, variances: &DVector<f64>) -> DMatrix<f64> {
         let root = DMatrix::from_diagonal(&variances.map(f64::sqrt));

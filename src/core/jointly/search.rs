@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::parameter::{JointParameter, lengths};
+use super::parameter::{JointParameter, NORMAL_MEDIAN, lengths};
 use super::part::{MeanPart, PlainPart, Total};
 use super::spread::TakesField;
 use super::weak::{WeakDirection, weak, without};
@@ -21,8 +21,6 @@ const FOR_SILENT: usize = 2;
 const NEAR: f64 = 1e-3;
 /// An objective that is greater by less than this share is the same.
 const ROUNDING: f64 = 1e-11;
-/// Median size of a standard normal number.
-const NORMAL_MEDIAN: f64 = 0.674_49;
 /// How much directions that are not determined are held, relative to the greatest information.
 const HELD: f64 = 1e6;
 
@@ -149,12 +147,25 @@ impl JointSearch {
 
     /// Looks what the takes together tell where they are asked, before anything is solved.
     pub fn look(&mut self, shares: &[Option<TakeShare>]) {
-        let parts = self.parts(shares).into_iter();
-        let parts = parts.map(|of| of.of_means(&self.variances));
-        let parts: Vec<MeanPart> = parts.collect();
-        let total = Total::of(&self.parameters, &self.mean, parts.iter());
+        let parts = self.of_means(&self.parts(shares));
+        self.hold_weak(&self.total(&parts));
+    }
+
+    /// Holds the directions that are not determined.
+    fn hold_weak(&mut self, total: &Total) {
         let (held, weak) = weak(&self.parameters, &total.information);
         (self.held, self.weak) = (Some(held), weak);
+    }
+
+    /// What is left of parts about the means.
+    pub(super) fn of_means(&self, parts: &[PlainPart]) -> Vec<MeanPart> {
+        let parts = parts.iter();
+        parts.map(|of| of.of_means(&self.variances)).collect()
+    }
+
+    /// The sum of parts, with the priors.
+    pub(super) fn total(&self, parts: &[MeanPart]) -> Total {
+        Total::of(&self.parameters, &self.mean, parts.iter())
     }
 
     /// The parameters that the takes, where they were asked, tell nothing of by themselves.
@@ -283,14 +294,10 @@ impl JointSearch {
         if self.parameters.iter().any(|of| of.is_drawn) {
             self.variances = self.likeliest(parts);
         }
-        let of_means: Vec<MeanPart> = parts
-            .iter()
-            .map(|of| of.of_means(&self.variances))
-            .collect();
-        let total = Total::of(&self.parameters, &self.mean, of_means.iter());
+        let of_means = self.of_means(parts);
+        let total = self.total(&of_means);
         if self.held.is_none() {
-            let (held, weak) = weak(&self.parameters, &total.information);
-            (self.held, self.weak) = (Some(held), weak);
+            self.hold_weak(&total);
         }
         let Some(step) = self.step(&total) else {
             return SearchTurn::Lost;
@@ -449,9 +456,7 @@ fn constrained(
 fn told(parameters: &[JointParameter], share: &TakeShare, at: usize) -> f64 {
     let mean = share.values.component_div(&lengths(parameters));
     let part = PlainPart::new(parameters, share, &mean);
-    let count = parameters.len();
-    let covariance = (part.curvature + DMatrix::identity(count, count)).try_inverse();
-    let variance = covariance.map_or(1.0, |of| of[(at, at)]);
+    let variance = part.alone().map_or(1.0, |of| of[(at, at)]);
     (variance.max(1e-12).recip() - 1.0).max(1e-9)
 }
 

@@ -156,7 +156,7 @@ fn influence_is_what_leaving_a_take_out_does() {
     let takes = drawn(6, &[0.3, -0.1], 0.05, 1.0, &mut random);
     let two = || vec![parameter("a", false), parameter("b", false)];
     let (joint, said) = solved(two(), &takes);
-    let judged = joint.judged(&said);
+    let judged = joint.judged(&said, &joint.intervals(&said).0);
     for left_out in 0..takes.len() {
         let others = takes.iter().enumerate().filter(|(at, _)| *at != left_out);
         let others: Vec<Quadratic> = others
@@ -181,7 +181,7 @@ fn a_take_that_differs_is_named_with_its_parameter() {
     let mut takes = drawn(12, &[0.3, -0.1], 0.0, 1.0, &mut random);
     takes[4].own[1] += 0.7;
     let (joint, said) = solved(vec![parameter("a", false), parameter("b", false)], &takes);
-    let judged = joint.judged(&said);
+    let judged = joint.judged(&said, &joint.intervals(&said).0);
     for (at, of) in judged.iter().enumerate() {
         let of = of.as_ref().expect("takes part");
         let is_named = of

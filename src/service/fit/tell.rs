@@ -41,7 +41,7 @@ impl ToldFit {
         let compared = compared(joint, shares, members);
         let misfits = misfits(joint, members);
         let (intervals, correlations) = joint.intervals(shares);
-        let judged = joint.judged(shares);
+        let judged = joint.judged(shares, &intervals);
         let first = members.iter().find_map(|of| of.asked.as_ref().ok());
         let Some(first) = first else {
             anyhow::bail!("no take says anything");
@@ -136,13 +136,14 @@ fn compared(
         .collect()
 }
 
-/// Of which takes that are fitted the motion at the answer does not explain the samples.
+/// Of which takes that take part the motion at the answer does not explain the samples.
 fn misfits(joint: &JointSearch, members: &mut [Member]) -> Vec<bool> {
     members
         .par_iter_mut()
         .enumerate()
         .map(|(take, member)| {
-            let fitted = member.asked.as_ref().ok().filter(|_| !member.is_held_out);
+            let fitted = member.asked.as_ref().ok();
+            let fitted = fitted.filter(|_| joint.is_taking_part(take));
             fitted.is_some_and(|of| of.misfits(&joint.asked(take)))
         })
         .collect()
