@@ -88,15 +88,11 @@ fn place_law(values: &mut SceneValues, scene: &Scene, name: &str, of: &ToldValue
             &mut body.tangential_restitution,
         ]
     } else {
-        let at = values.event.iter().position(|event| event.name == *name);
-        let at = at.unwrap_or_else(|| {
-            values.event.push(EventValues {
-                name: name.to_owned(),
-                ..EventValues::default()
-            });
-            values.event.len() - 1
+        let is_it = |event: &EventValues| event.name == *name;
+        let event = entry(&mut values.event, is_it, || EventValues {
+            name: name.to_owned(),
+            ..EventValues::default()
         });
-        let event = &mut values.event[at];
         [
             &mut event.restitution,
             &mut event.friction,
@@ -111,15 +107,20 @@ fn place_law(values: &mut SceneValues, scene: &Scene, name: &str, of: &ToldValue
 }
 
 fn body<'a>(values: &'a mut SceneValues, name: &str) -> &'a mut BodyValues {
-    let at = values.body.iter().position(|body| body.name == *name);
-    let at = at.unwrap_or_else(|| {
-        values.body.push(BodyValues {
-            name: name.to_owned(),
-            ..BodyValues::default()
-        });
-        values.body.len() - 1
-    });
-    &mut values.body[at]
+    let is_it = |body: &BodyValues| body.name == *name;
+    entry(&mut values.body, is_it, || BodyValues {
+        name: name.to_owned(),
+        ..BodyValues::default()
+    })
+}
+
+/// The entry of a list that is the one that is meant, added where there is none.
+fn entry<T>(list: &mut Vec<T>, is_it: impl Fn(&T) -> bool, added: impl FnOnce() -> T) -> &mut T {
+    let at = list.iter().position(is_it).unwrap_or(list.len());
+    if at == list.len() {
+        list.push(added());
+    }
+    &mut list[at]
 }
 
 /// The keys of a track's tracker: those of its body, or of the track where the body has several.
@@ -136,15 +137,15 @@ fn tracker<'a>(
     let Some(own) = own else {
         return body.tracker.get_or_insert_default();
     };
-    let at = body.track.iter().position(|track| track.name == own);
-    let at = at.unwrap_or_else(|| {
-        body.track.push(TrackValues {
+    let track = entry(
+        &mut body.track,
+        |track| track.name == own,
+        || TrackValues {
             name: own.to_owned(),
             tracker: TrackerValue::default(),
-        });
-        body.track.len() - 1
-    });
-    &mut body.track[at].tracker
+        },
+    );
+    &mut track.tracker
 }
 
 /// How a tracker is mounted, in the frame in which the scene gives its body.
