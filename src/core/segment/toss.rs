@@ -25,7 +25,7 @@ const KINK_SHARE: f64 = 0.2;
 /// Samples after a flight that tell the velocity there.
 const AFTER_SAMPLES: usize = 4;
 /// The next flight begins so many samples after an impact, or others are between.
-const BETWEEN_SAMPLES: usize = 4;
+pub(super) const BETWEEN_SAMPLES: usize = 4;
 /// A flight of fewer samples is not seen.
 const UNSEEN_SAMPLES: usize = 6;
 
@@ -59,8 +59,7 @@ pub(super) fn toss(scene: &Scene, index: TrackIndex, track: &TrackSketch) -> Opt
     if !(size > 0.0) || !does_not_fall_at_an_end(&times_s, &points, &pull) {
         return None;
     }
-    let is_flight = |of: &Vector3<f64>, sd: f64| (of - pull).norm() <= PULL_SHARE * size + 3.0 * sd;
-    let found = falls(&times_s, &points, is_flight);
+    let found = flights(&times_s, &points, &pull);
     // Stretches that follow each other without an impact are one flight.
     let mut flights: Vec<Range<usize>> = Vec::new();
     let mut open: Option<Range<usize>> = None;
@@ -88,6 +87,14 @@ pub(super) fn toss(scene: &Scene, index: TrackIndex, track: &TrackSketch) -> Opt
     let flights = flights.into_iter();
     Some(Toss {
         flights: flights.map(|of| places[of.start]..end(of.end)).collect(),
+    })
+}
+
+/// The stretches of a path that fall as a pull lets a body fall.
+pub(super) fn flights(times_s: &[f64], points: &[Vector3<f64>], pull: &Vector3<f64>) -> Vec<Fall> {
+    let most = PULL_SHARE * pull.norm();
+    falls(times_s, points, |of, sd| {
+        (of - pull).norm() <= most + 3.0 * sd
     })
 }
 

@@ -54,9 +54,8 @@ pub(super) fn changes(
         };
         // What two bodies that stick together keep of velocities they keep together.
         let is_stuck = scene.sticks(event, mechanism);
-        // A hand ends velocities where it puts something down, or takes what moves; what lay begins to move so slowly that they
-        // tell no more than places when.
-        // So do contacts at any moment of a tumble.
+        // A hand ends velocities where it puts something down, or takes what moves, and contacts at the end of a tumble; what lay
+        // begins to move so slowly that they tell no more than places when.
         let tumbled = scene.phase_beside(mechanism, event, false);
         let is_stopped = match (before, after) {
             (None, _) if tumbled.is_some_and(SupportPhase::tumbles) => true,

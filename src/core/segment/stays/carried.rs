@@ -11,7 +11,8 @@ use nalgebra::Vector3;
 use super::local::LocalMotions;
 use super::surface::{LONG_S, LONG_SAMPLES, NOISE, STILL};
 use crate::math::Pose;
-use crate::motion::{Fall, LinkIndex, Scene, Timing, acceleration, falls};
+use crate::motion::{Fall, LinkIndex, Scene, Timing, acceleration};
+use crate::segment::toss::flights;
 
 /// What goes with another is no faster relative to it than this [m/s], [rad/s],
 const APART_M_S: f64 = 0.02;
@@ -26,8 +27,7 @@ const WITHIN_S: f64 = 0.05;
 /// For so long it may seem not to \[s\].
 const BRIEF_S: f64 = 0.1;
 
-/// Accelerations of flights are the scene's up to this share, and what is off by more than the other is no fall.
-pub(super) const FALL_SHARE: f64 = 0.15;
+/// What is off by more than this share of it does not fall as the scene has it.
 const NO_FALL_SHARE: f64 = 0.5;
 /// Windows tell it, of so long \[s\] and so many samples at least.
 const WINDOW_S: f64 = 0.1;
@@ -125,8 +125,7 @@ pub(super) fn in_hand(
     if unknown_s < LONG_S {
         return Vec::new();
     }
-    let is_flight = |of: &Vector3<f64>, sd: f64| (of - pull).norm() <= FALL_SHARE * size + 3.0 * sd;
-    let flights = falls(&times_s, &points, is_flight);
+    let flights = flights(&times_s, &points, &pull);
     let falls_s = |of: &Fall| [times_s[of.samples.start], times_s[of.samples.end - 1]];
     let flights_s: Vec<[f64; 2]> = flights.iter().map(falls_s).collect();
     let touches = touches(scene, link, &poses, motions.noise_m);

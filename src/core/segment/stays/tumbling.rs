@@ -5,17 +5,16 @@
 
 use nalgebra::Vector3;
 
-use super::carried::{FALL_SHARE, runs, touches};
+use super::carried::{runs, touches};
 use super::local::LocalMotions;
 use crate::math::Pose;
-use crate::motion::{LinkIndex, Scene, Timing, falls};
+use crate::motion::{LinkIndex, Scene, Timing};
 use crate::segment::smooth::SAMPLES_MIN;
+use crate::segment::toss::{BETWEEN_SAMPLES, flights};
 
 /// A tumble lasts so long \[s\] at least, and is smoothed between the samples next to both ends.
 const LONG_S: f64 = 0.03;
 const LONG_SAMPLES: usize = SAMPLES_MIN + 2;
-/// The next flight of a toss begins so many samples after the last one at most: an impact is between.
-const BETWEEN_SAMPLES: usize = 4;
 /// What stays then begins so soon after the last contact that is no part of it \[s\].
 const BESIDE_S: f64 = 0.1;
 /// It touches something in this share of the samples.
@@ -66,7 +65,6 @@ fn fallen(
 ) -> Option<usize> {
     let times_s: Vec<f64> = poses.iter().map(|of| of.0).collect();
     let points: Vec<Vector3<f64>> = poses.iter().map(|of| of.1.translation.vector).collect();
-    let most = |sd: f64| FALL_SHARE * pull.norm() + 3.0 * sd;
     let mut end = None;
     let mechanism = scene.mechanism_of(link);
     let hits = (0..scene.events.len()).filter(|event| {
@@ -74,7 +72,7 @@ fn fallen(
         hit && scene.concerns(*event, mechanism)
     });
     let mut left = hits.count() + 1;
-    for fall in falls(&times_s, &points, |of, sd| (of - pull).norm() <= most(sd)) {
+    for fall in flights(&times_s, &points, pull) {
         let follows = end.is_none_or(|end| fall.samples.start <= end + BETWEEN_SAMPLES);
         if !follows || left == 0 {
             break;
