@@ -3,8 +3,8 @@
 use anyhow::{Context, Result};
 use enact::config::scene_from_toml;
 use enact::motion::{Fits, LinkIndex, Mark, Scene, TakeEvent, Verdict};
-use enact::physics::{State, flow};
 use enact::pipeline::{Outcome, Pipeline};
+use enact::sampling::MovedBody;
 use enact::service::proposed_phases;
 use enact_tools::tosses::{RATES_HZ, Toss, scene_toml};
 
@@ -132,38 +132,26 @@ fn marks(scene: &Scene, take: &[TakeEvent]) -> Result<Vec<Mark>> {
     Ok(marks.collect())
 }
 
-/// Distance of a motion from all samples of a toss, rms \[m\], \[rad\].
+/// Distance of a motion from all samples of a toss between its start and its end, rms \[m\], \[rad\].
 fn off(toss: &Toss, outcome: &Outcome) -> [f64; 2] {
+    let moved = MovedBody::new(&outcome.scene, &outcome.estimate, LinkIndex(0));
+    let Some((moved, [from_s, until_s])) =
+        moved.and_then(|of| of.span_s().map(|span_s| (of, span_s)))
+    else {
+        return [f64::INFINITY; 2];
+    };
+    let timed = toss.poses.iter().enumerate();
+    let timed = timed.map(|(index, pose)| (index as f64 / RATE_HZ, pose));
+    let timed: Vec<_> = timed
+        .filter(|(time_s, _)| (from_s..=until_s).contains(time_s))
+        .collect();
+    let times_s: Vec<f64> = timed.iter().map(|(time_s, _)| *time_s).collect();
     let mut squares = [0.0; 2];
-    let mut count = 0.0;
-    for (index, (position_m, q)) in toss.poses.iter().enumerate() {
-        if let Some(state) = state(outcome, index as f64 / RATE_HZ) {
-            squares[0] += (state.position_m - position_m).norm_squared();
-            squares[1] += state.orientation.angle_to(q).powi(2);
-            count += 1.0;
-        }
+    for (state, (_, (position_m, q))) in moved.states(&times_s).iter().zip(&timed) {
+        squares[0] += (state.position_m - position_m).norm_squared();
+        squares[1] += state.orientation.angle_to(q).powi(2);
     }
-    squares.map(|of| (of / count).sqrt())
-}
-
-/// The cube's state in a motion at a time; none before its start and after its end.
-fn state(outcome: &Outcome, time_s: f64) -> Option<State> {
-    let estimate = &outcome.estimate;
-    let is_within = |span_s: [f64; 2]| span_s[0] <= time_s && time_s <= span_s[1];
-    let mut grips = estimate.grips_of(LinkIndex(0));
-    if let Some(grip) = grips.find(|of| is_within(of.span_s)) {
-        return Some(grip.state(time_s));
-    }
-    let mut arcs = estimate.arcs.iter();
-    let arc = arcs.find(|arc| is_within([arc.start_s, arc.end_s]))?;
-    let body = outcome.scene.body_on(arc);
-    let since_s = time_s - arc.epoch_s;
-    Some(flow::advance(
-        &body,
-        &estimate.gravity_m_s2,
-        &arc.state,
-        since_s,
-    ))
+    squares.map(|of| (of / timed.len() as f64).sqrt())
 }
 
 fn row(tolerance_mm: Option<f64>, each: &[Option<Whole>]) -> Vec<String> {
