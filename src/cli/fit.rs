@@ -7,32 +7,77 @@ use super::process::print_failure;
 use super::table::table;
 use crate::report::units::{bound, decimals, for_people};
 use crate::report::{FitTakeLine, FittedLine};
-use crate::service::{self, FitJob, FittedTakes};
+use crate::service::{
+    self, FitInput, FitJob, FitQuestion, FitStop, FittedTakes, JoinedBlocks, ReduceJob,
+    ReducedLine, SolveJob,
+};
 
 /// Takes of a kind that are listed.
 const TOLD: usize = 12;
 
 pub(super) fn run(arguments: FitArguments) -> anyhow::Result<Exit> {
     let said = Account::new(arguments.format, arguments.output.as_deref());
-    let format = arguments.format;
-    let names = format!("{} takes", arguments.inputs.len());
-    let job = FitJob {
-        inputs: arguments.inputs,
-        scene: arguments.scene,
-        shared: arguments.shared,
-        drawn: arguments.drawn,
-        hold_out: arguments.hold_out,
-        output: arguments.output,
-        page: arguments.page,
+    let names = match &arguments.solve {
+        Some(folder) => folder.display().to_string(),
+        None => format!("{} takes", arguments.inputs.len()),
     };
-    let fitted = match service::fit(&job) {
-        Ok(fitted) => fitted,
+    match done(arguments, &said) {
+        Ok(exit) => Ok(exit),
         Err(error) => {
             print_failure(&names, &error, said.of_failure())?;
-            return Ok(Exit::Error);
+            Ok(Exit::Error)
         }
+    }
+}
+
+fn done(arguments: FitArguments, said: &Account) -> anyhow::Result<Exit> {
+    if let Some(folder) = arguments.reduce {
+        let reduced = service::reduce_files(&ReduceJob {
+            inputs: service::recordings_in(&arguments.inputs)?,
+            scene: arguments.scene,
+            shared: arguments.shared,
+            drawn: arguments.drawn,
+            folder,
+        })?;
+        said.print("enact.fit_reduced/1", &reduced, |_| reduced_text(&reduced))?;
+        return Ok(match reduced.silent.is_empty() {
+            true => Exit::Done,
+            false => Exit::NotWhole,
+        });
+    }
+    let format = arguments.format;
+    let fitted = match arguments.solve {
+        Some(folder) => {
+            let joined = service::solve_files(&SolveJob {
+                folder,
+                output: arguments.output,
+                page: arguments.page,
+            })?;
+            match joined {
+                JoinedBlocks::Fitted(fitted) => *fitted,
+                JoinedBlocks::Asks(question) => {
+                    said.print("enact.fit_question/1", &question, |_| {
+                        question_text(&question)
+                    })?;
+                    return Ok(Exit::Done);
+                }
+            }
+        }
+        None => service::fit(&FitJob {
+            inputs: service::recordings_in(&arguments.inputs)?
+                .into_iter()
+                .map(FitInput::File)
+                .collect(),
+            scene: arguments.scene,
+            shared: arguments.shared,
+            drawn: arguments.drawn,
+            hold_out: arguments.hold_out,
+            output: arguments.output,
+            page: arguments.page,
+            stop: FitStop::default(),
+        })?,
     };
-    match (format, &job.output) {
+    match (format, &fitted.line.output) {
         (Format::Ndjson, _) => {
             for take in &fitted.takes {
                 said.print("enact.fit_take/1", take, |_| String::new())?;
@@ -49,6 +94,41 @@ pub(super) fn run(arguments: FitArguments) -> anyhow::Result<Exit> {
         true => Exit::Done,
         false => Exit::NotWhole,
     })
+}
+
+fn reduced_text(line: &ReducedLine) -> String {
+    let mut text = String::new();
+    let ReducedLine {
+        round,
+        made,
+        present,
+        not_asked,
+        ..
+    } = line;
+    output::push_line(
+        &mut text,
+        format!(
+            "round {round}: {made} blocks made, {present} were there, {not_asked} takes not asked"
+        ),
+    );
+    for why in line.silent.iter().take(TOLD) {
+        output::push_line(&mut text, format!("  says nothing: {why}"));
+    }
+    push_more(&mut text, "says nothing", line.silent.len());
+    text
+}
+
+fn question_text(question: &FitQuestion) -> String {
+    let mut text = String::new();
+    output::push_line(
+        &mut text,
+        format!(
+            "asks {} takes again, round {}: fit --reduce, then --solve",
+            question.asked.len(),
+            question.round
+        ),
+    );
+    text
 }
 
 fn text(fitted: &FittedTakes) -> String {
@@ -134,8 +214,13 @@ fn push_takes<'a>(
     for (take, why) in takes.iter().take(TOLD) {
         output::push_line(text, format!("  {what}: {}: {why}", take.recording));
     }
-    if takes.len() > TOLD {
-        let others = takes.len() - TOLD;
+    push_more(text, what, takes.len());
+}
+
+/// That there are more than are listed.
+fn push_more(text: &mut String, what: &str, takes: usize) {
+    if takes > TOLD {
+        let others = takes - TOLD;
         output::push_line(
             text,
             format!("  {what}: {others} others, which `--format ndjson` lists"),

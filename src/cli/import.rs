@@ -11,7 +11,6 @@ use crate::service::{
 };
 
 pub(super) fn run(arguments: ImportArguments) -> anyhow::Result<Exit> {
-    let output = arguments.output.display().to_string();
     let said = Account::new(arguments.format, Some(&arguments.output));
     let job = ImportJob {
         inputs: arguments.inputs,
@@ -35,9 +34,27 @@ pub(super) fn run(arguments: ImportArguments) -> anyhow::Result<Exit> {
         start_s: arguments.start,
         end_s: arguments.end,
     };
-    let imported = match service::import(&job) {
+    if !arguments.each {
+        return one(&job, said);
+    }
+    let outputs = service::beside_each(&job.inputs, &job.output, "mcap")?;
+    let mut exit = Exit::Done;
+    for (input, output) in job.inputs.iter().zip(outputs) {
+        let each = ImportJob {
+            inputs: vec![input.clone()],
+            output,
+            ..job.clone()
+        };
+        exit = exit.max(one(&each, said)?);
+    }
+    Ok(exit)
+}
+
+fn one(job: &ImportJob, said: Account) -> anyhow::Result<Exit> {
+    let imported = match service::import(job) {
         Ok(imported) => imported,
         Err(error) => {
+            let output = job.output.display().to_string();
             print_failure(&output, &error, said.of_failure())?;
             return Ok(Exit::Error);
         }

@@ -1,4 +1,6 @@
-//! `inspect`: lists the contents of a recording.
+//! `inspect`: lists the contents of recordings.
+
+use std::path::Path;
 
 use super::arguments::{Format, InspectArguments};
 use super::exit::Exit;
@@ -8,11 +10,19 @@ use super::table::table;
 use crate::service::{self, Inspection, MarkLine};
 
 pub(super) fn run(arguments: InspectArguments) -> anyhow::Result<Exit> {
+    let mut exit = Exit::Done;
+    for input in service::recordings_in(&arguments.inputs)? {
+        exit = exit.max(one(&input, &arguments)?);
+    }
+    Ok(exit)
+}
+
+fn one(input: &Path, arguments: &InspectArguments) -> anyhow::Result<Exit> {
     let (scene, deadline) = (arguments.scene.as_deref(), arguments.limits.deadline);
-    let inspection = match service::inspect(&arguments.input, scene, deadline) {
+    let inspection = match service::inspect(input, scene, deadline) {
         Ok(inspection) => inspection,
         Err(error) => {
-            let recording = arguments.input.display().to_string();
+            let recording = input.display().to_string();
             print_failure(&recording, &error, arguments.format)?;
             return Ok(Exit::Error);
         }

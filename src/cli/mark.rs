@@ -1,5 +1,7 @@
 //! `mark`: lists, proposes and changes the marks of a recording.
 
+use anyhow::bail;
+
 use super::arguments::MarkArguments;
 use super::exit::Exit;
 use super::inspect::marks;
@@ -9,25 +11,49 @@ use super::table::table;
 use crate::service::{self, MarkEdits, MarkJob, Marked};
 
 pub(super) fn run(arguments: MarkArguments) -> anyhow::Result<Exit> {
-    let recording = arguments.input.display().to_string();
     let said = Account::new(arguments.format, arguments.output.as_deref());
-    let job = MarkJob {
-        input: arguments.input,
-        output: arguments.output,
-        scene: arguments.scene,
-        is_proposing: arguments.propose,
-        count: arguments.count,
-        edits: MarkEdits {
-            from_file: arguments.from,
-            from_topic: arguments.from_topic,
-            remove: arguments.remove,
-            moves: arguments.moves,
-            add: arguments.add,
-        },
+    let inputs = service::recordings_in(&arguments.inputs)?;
+    if inputs.len() > 1 && !arguments.propose {
+        bail!(
+            "{} recordings, expected one, or --propose: marks are changed one recording at a time",
+            inputs.len()
+        );
+    }
+    let outputs = match &arguments.output {
+        None => vec![None; inputs.len()],
+        Some(output) if inputs.len() == 1 => vec![Some(output.clone())],
+        Some(folder) => {
+            let outputs = service::beside_each(&inputs, folder, "mcap")?;
+            outputs.into_iter().map(Some).collect()
+        }
     };
-    let marked = match service::mark(&job) {
+    let edits = MarkEdits {
+        from_file: arguments.from,
+        from_topic: arguments.from_topic,
+        remove: arguments.remove,
+        moves: arguments.moves,
+        add: arguments.add,
+    };
+    let mut exit = Exit::Done;
+    for (input, output) in inputs.into_iter().zip(outputs) {
+        let job = MarkJob {
+            input,
+            output,
+            scene: arguments.scene.clone(),
+            is_proposing: arguments.propose,
+            count: arguments.count,
+            edits: edits.clone(),
+        };
+        exit = exit.max(one(&job, said)?);
+    }
+    Ok(exit)
+}
+
+fn one(job: &MarkJob, said: Account) -> anyhow::Result<Exit> {
+    let marked = match service::mark(job) {
         Ok(marked) => marked,
         Err(error) => {
+            let recording = job.input.display().to_string();
             print_failure(&recording, &error, said.of_failure())?;
             return Ok(Exit::Error);
         }

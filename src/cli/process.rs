@@ -18,12 +18,13 @@ const TOLD: usize = 3;
 
 pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<Exit> {
     let job = ProcessJob {
-        inputs: arguments.inputs,
+        inputs: service::recordings_in(&arguments.inputs)?,
         output: arguments.output,
         scene: arguments.scene,
         is_free_auto: arguments.free == Some(Free::Auto),
         is_diagnosing: arguments.diagnosing.is_wanted(),
         deadline: arguments.limits.deadline,
+        is_resuming: arguments.resume,
     };
     let tells_all = verbose || job.inputs.len() <= TOLD;
     let style = Style {
@@ -50,9 +51,23 @@ pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<
                     Exit::NotWhole
                 }
             }
+            Ok(Processed::Present {
+                recording,
+                verdict,
+                is_good,
+            }) => {
+                if format == Format::Ndjson {
+                    print_left_alone(&recording, "its estimate is there")?;
+                }
+                summary.present(&recording, &verdict, is_good);
+                match is_good {
+                    true => Exit::Done,
+                    false => Exit::NotWhole,
+                }
+            }
             Ok(Processed::LeftAlone { recording }) => {
                 if format == Format::Ndjson {
-                    print_left_alone(&recording)?;
+                    print_left_alone(&recording, "has an estimate already")?;
                 }
                 summary.left_alone(&recording);
                 Exit::Done
@@ -78,19 +93,13 @@ pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<
 }
 
 /// A recording that has an estimate: a line for machines.
-fn print_left_alone(recording: &str) -> anyhow::Result<()> {
+fn print_left_alone(recording: &str, why: &str) -> anyhow::Result<()> {
     #[derive(Serialize)]
     struct LeftLine<'a> {
         recording: &'a str,
         why: &'a str,
     }
-    output::print_json(
-        "enact.left_alone/1",
-        &LeftLine {
-            recording,
-            why: "has an estimate already",
-        },
-    )
+    output::print_json("enact.left_alone/1", &LeftLine { recording, why })
 }
 
 /// A recording without an estimate: a line on stdout for machines, on stderr for people.

@@ -1,6 +1,7 @@
 //! What became of many recordings: a line each, and how many of each kind.
 
 use super::table::table;
+use crate::motion::Verdict;
 use crate::report::{RecordingReport, plain};
 
 /// Lines in the order of the recordings.
@@ -34,6 +35,19 @@ impl Summary {
             format!("{:.2}°", estimate.residual_deg),
             what.to_owned(),
         ]);
+    }
+
+    /// An estimate that was there.
+    pub(super) fn present(&mut self, recording: &str, verdict: &str, is_good: bool) {
+        match verdict == Verdict::Physical.as_str() {
+            true => self.physical += 1,
+            false => self.other += 1,
+        }
+        let what = match is_good {
+            true => "was there",
+            false => "was there, look at its report",
+        };
+        self.without_motion(recording, verdict, what);
     }
 
     pub(super) fn left_alone(&mut self, recording: &str) {

@@ -1,5 +1,7 @@
 //! One answer from many takes: reads each, asks it what it says of what all share until the answer stands, and tells it.
 
+mod apart;
+mod blocks;
 mod job;
 mod keys;
 mod names;
@@ -21,13 +23,18 @@ use crate::page::fit_page;
 use crate::pipeline::SharedMotion;
 use crate::report::{FitLine, FitTakeLine};
 
-pub use self::job::{FitJob, HoldOut};
-use self::names::AskedNames;
+pub use self::apart::{FitQuestion, JoinedBlocks, TakeBlock, join, reduce};
+pub use self::blocks::{ReduceJob, ReducedLine, SolveJob, reduce_files, solve_files};
+pub use self::job::{FitInput, FitJob, FitStop, HoldOut};
+pub use self::names::AskedNames;
 use self::take::{Member, NEARER, UsualResidual, far};
 use self::tell::ToldFit;
 
 /// Greatest number of times that takes which had no motion, or are far from it, are tried from the answer on.
 const AGAIN: usize = 4;
+
+/// Why a fit that was told to end has no answer.
+const STOPPED: &str = "it was told to end before it had an answer";
 
 /// Takes fit better elsewhere by at least so much of half a sum of squares.
 const TELLING: f64 = 2.0;
@@ -50,15 +57,22 @@ pub fn fit(job: &FitJob) -> anyhow::Result<FittedTakes> {
     if let Some(output) = &job.output {
         refuse_present(output)?;
     }
-    let names = AskedNames::of(job)?;
+    let names = AskedNames::new(&job.shared, &job.drawn)?;
     let mut members = read(job, &names)?;
     let parameters = agreed(&members, &names)?;
     let held_out = hold_out(job, &members)?;
     for (member, held_out) in members.iter_mut().zip(&held_out) {
         member.is_held_out = *held_out;
     }
-    let (joint, shares) = solved(parameters, &mut members)?;
-    let told = ToldFit::of(job, &joint, &shares, &mut members)?;
+    let (joint, shares) = solved(parameters, &mut members, &job.stop)?;
+    let misfits = misfits(&joint, &mut members);
+    ensure!(!job.stop.is_set(), STOPPED);
+    let told = ToldFit::of(job, &joint, &shares, &mut members, &misfits)?;
+    written(job, told)
+}
+
+/// The answer, written where it is wanted.
+fn written(job: &FitJob, told: ToldFit) -> anyhow::Result<FittedTakes> {
     let toml = told.calibration.to_toml()?;
     let made_of = made_of(job);
     if let Some(output) = &job.output {
@@ -76,8 +90,8 @@ pub fn fit(job: &FitJob) -> anyhow::Result<FittedTakes> {
 }
 
 fn made_of(job: &FitJob) -> Vec<&Path> {
-    let files = job.inputs.iter().chain(&job.scene);
-    files.map(PathBuf::as_path).collect()
+    let inputs = job.inputs.iter().map(FitInput::name);
+    inputs.chain(job.scene.as_deref()).collect()
 }
 
 /// All inputs, in the order of their contents, so that sums have one order.
@@ -87,17 +101,28 @@ fn read(job: &FitJob, names: &AskedNames) -> anyhow::Result<Vec<Member>> {
         Some(HoldOut::Files(files)) => &files[..],
         _ => &[],
     };
-    let others = listed.iter().filter(|file| !job.inputs.contains(file));
-    let inputs: Vec<&PathBuf> = job.inputs.iter().chain(others).collect();
-    let mut members: Vec<Member> = inputs
+    let is_other = |file: &&PathBuf| job.inputs.iter().all(|input| input.name() != *file);
+    let others = listed.iter().filter(is_other).cloned().map(FitInput::File);
+    let inputs: Vec<FitInput> = job.inputs.iter().cloned().chain(others).collect();
+    let members: Vec<Member> = inputs
         .par_iter()
         .enumerate()
         .map(|(place, input)| {
-            let member = Member::read(place, input, job.scene.as_deref(), names);
+            let mut member = Member::read(place, input, job.scene.as_deref(), names);
+            if let Ok(asked) = &mut member.asked
+                && !job.stop.is_set()
+            {
+                asked.find();
+            }
             working.done();
             member
         })
         .collect();
+    Ok(in_order(members))
+}
+
+/// Takes in the order of their contents, each once.
+fn in_order(mut members: Vec<Member>) -> Vec<Member> {
     members.sort_by(|a, b| a.order().cmp(&b.order()));
     let mut known: BTreeMap<String, String> = BTreeMap::new();
     for member in &mut members {
@@ -108,7 +133,7 @@ fn read(job: &FitJob, names: &AskedNames) -> anyhow::Result<Vec<Member>> {
             known.insert(member.sha256.clone(), name);
         }
     }
-    Ok(members)
+    members
 }
 
 /// The parameters as the takes' scenes have them, which must agree.
@@ -182,16 +207,18 @@ fn hold_out(job: &FitJob, members: &[Member]) -> anyhow::Result<Vec<bool>> {
 fn solved(
     parameters: Vec<JointParameter>,
     members: &mut [Member],
+    stop: &FitStop,
 ) -> anyhow::Result<(JointSearch, Vec<Option<TakeShare>>)> {
     let own: Vec<Option<TakeShare>> = members
         .par_iter_mut()
         .map(|member| member.fitting()?.own())
         .collect();
+    ensure!(!stop.is_set(), STOPPED);
     let own = begun_lesser(&parameters, own, members);
     let mut joint = JointSearch::new(parameters, &own);
     moved_off(&mut joint, members);
     for round in 0..=AGAIN {
-        let shares = searched(&mut joint, members)?;
+        let shares = searched(&mut joint, members, stop)?;
         if round == AGAIN || !tried_again(&mut joint, &shares, members) {
             return Ok((joint, shares));
         }
@@ -280,19 +307,25 @@ fn moved_off(joint: &mut JointSearch, members: &mut [Member]) {
 fn searched(
     joint: &mut JointSearch,
     members: &mut [Member],
+    stop: &FitStop,
 ) -> anyhow::Result<Vec<Option<TakeShare>>> {
     loop {
+        ensure!(!stop.is_set(), STOPPED);
         let shares = asked(joint, members);
         match joint.turn(&shares) {
             SearchTurn::Again => {}
             SearchTurn::Found => return Ok(shares),
-            SearchTurn::Lost => bail!(
-                "no joint optimum was found in {} rounds: too few takes have a motion at the same values, expected \
-                 fewer --shared quantities, or each take's own by --drawn",
-                joint.rounds()
-            ),
+            SearchTurn::Lost => return lost(joint),
         }
     }
+}
+
+fn lost<T>(joint: &JointSearch) -> anyhow::Result<T> {
+    bail!(
+        "no joint optimum was found in {} rounds: too few takes have a motion at the same values, expected \
+         fewer --shared quantities, or each take's own by --drawn",
+        joint.rounds()
+    )
 }
 
 /// Finds motions anew from the answer on of takes that had none, or that are farther from it than others: they may be near
@@ -325,4 +358,17 @@ fn tried_again(
         }
     }
     is_any
+}
+
+/// Of which takes that take part the motion at the answer does not explain the samples.
+fn misfits(joint: &JointSearch, members: &mut [Member]) -> Vec<bool> {
+    members
+        .par_iter_mut()
+        .enumerate()
+        .map(|(take, member)| {
+            let fitted = member.asked.as_ref().ok();
+            let fitted = fitted.filter(|_| joint.is_taking_part(take));
+            fitted.is_some_and(|of| of.misfits(&joint.asked(take)))
+        })
+        .collect()
 }

@@ -13,6 +13,7 @@ use serde::Serialize;
 use self::kind::ImportKind;
 use self::names::{Named, listed, name_of_file, topics};
 use self::told::{ToldImport, told};
+use super::folders::recordings_in;
 use super::guard::Inputs;
 use super::mark::{check_event, stamp_of};
 use super::working::Working;
@@ -114,7 +115,7 @@ pub struct FlightLine {
 /// Fails where a file is none that can be read, which says what to do instead, where a table has no poses, or
 /// bodies cannot be told apart or assigned to the scene's.
 pub fn import(job: &ImportJob) -> anyhow::Result<Imported> {
-    let files = recordings::files(&job.inputs)?;
+    let files = recordings_in(&job.inputs)?;
     let inputs = files.iter().chain(&job.scene);
     Inputs::of(inputs.map(PathBuf::as_path)).keep_from(&job.output)?;
     let scene = job.scene.as_deref().map(read_scene).transpose()?;

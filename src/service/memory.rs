@@ -71,6 +71,11 @@ impl TakeInMemory {
         self.opened.recording.container().bytes()
     }
 
+    /// The scene with which it is read.
+    pub fn scene(&self) -> &Scene {
+        self.opened.scene.for_reading()
+    }
+
     /// The text of the scene.
     pub fn scene_toml(&self) -> &[u8] {
         &self.opened.scene_toml
@@ -156,7 +161,7 @@ impl TakeInMemory {
     }
 }
 
-fn opened_with(recording: Recording, scene: &SceneInMemory) -> Opened {
+pub(super) fn opened_with(recording: Recording, scene: &SceneInMemory) -> Opened {
     Opened {
         recording,
         scene: AsRead::of(scene.scene.clone()),

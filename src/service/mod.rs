@@ -19,6 +19,7 @@ mod doctor;
 mod export;
 mod finish;
 mod fit;
+mod folders;
 mod from_urdf;
 mod guard;
 mod import;
@@ -62,7 +63,11 @@ pub use direct::{DaemonAnswer, DirectJob, Direction, Label, direct};
 pub use doctor::{DoctorJob, Finding, Health, doctor};
 pub use export::{DEFAULT_EXPORT_RATE_HZ, ExportFormat, ExportJob, Exported, export};
 pub use finish::beside;
-pub use fit::{FitJob, FittedTakes, HoldOut, fit};
+pub use fit::{
+    AskedNames, FitInput, FitJob, FitQuestion, FitStop, FittedTakes, HoldOut, JoinedBlocks,
+    ReduceJob, ReducedLine, SolveJob, TakeBlock, fit, join, reduce, reduce_files, solve_files,
+};
+pub use folders::{beside_each, recordings_in};
 pub use from_urdf::{FromUrdfJob, UrdfImported, from_urdf};
 pub use import::{BodyLine, FlightLine, ImportJob, Imported, InputLine, import};
 pub use inspect::{Inspection, MarkLine, PoseLine, TopicLine, inspect};

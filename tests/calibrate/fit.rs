@@ -253,6 +253,125 @@ fn the_answer_is_the_same_to_the_bit_for_any_order_and_number_of_threads() {
     assert_eq!(one[0].to_string(), other[0].to_string());
 }
 
+/// Reduces and solves in turns until there is an answer; how many rounds that takes.
+fn apart(folder: &Path, files: &[PathBuf], shared: &[&str], output: &str) -> usize {
+    for round in 0..40 {
+        // Side by side, as on several machines.
+        for part in files.chunks(4) {
+            let made = fit(
+                folder,
+                1,
+                &words(part, &[shared, &["--reduce", "blocks"]].concat()),
+            );
+            assert_eq!(made.status.code(), Some(0), "{made:?}");
+        }
+        let arguments = ["--solve", "blocks", "-o", output];
+        let solved = fit(folder, 1, &words(&[], &arguments));
+        assert!(matches!(solved.status.code(), Some(0 | 3)), "{solved:?}");
+        if folder.join(output).exists() {
+            return round;
+        }
+        assert_eq!(solved.status.code(), Some(0), "{solved:?}");
+    }
+    panic!("no answer");
+}
+
+#[test]
+fn takes_that_are_reduced_apart_have_the_same_answer() {
+    let folder = TempDir::new().expect("folder");
+    let files = truth(91).write(10, 92, folder.path()).expect("takes");
+    let shared = [
+        "--shared",
+        "ball.restitution,gravity",
+        "--drawn",
+        "ball.friction",
+    ];
+    let here = fit(
+        folder.path(),
+        2,
+        &words(&files, &[&shared[..], &["-o", "here.toml"]].concat()),
+    );
+    assert!(matches!(here.status.code(), Some(0 | 3)), "{here:?}");
+    apart(folder.path(), &files, &shared, "apart.toml");
+    let [here, apart] = ["here.toml", "apart.toml"].map(|name| {
+        let text = fs::read_to_string(folder.path().join(name)).expect("an answer");
+        let table: toml::Table = text.parse().expect("TOML");
+        let quantities = table["quantity"].as_array().expect("a list").clone();
+        let numbers = quantities.into_iter().flat_map(|of| {
+            let name = of["name"].as_str().expect("a name").to_owned();
+            ["value", "lower", "upper"].map(|key| {
+                let number = of.get(key).and_then(|of| of.as_array()?[0].as_float());
+                (format!("{name} {key}"), number)
+            })
+        });
+        numbers.collect::<Vec<_>>()
+    });
+    assert_eq!(here.len(), apart.len());
+    for ((name, here), (_, apart)) in here.iter().zip(&apart) {
+        let off = here.unwrap_or(0.0) - apart.unwrap_or(0.0);
+        assert!(off.abs() < 1e-6, "{name}: {here:?} and {apart:?}");
+    }
+}
+
+#[test]
+fn blocks_that_are_there_are_kept_and_those_of_another_fit_are_refused() {
+    let folder = TempDir::new().expect("folder");
+    let files = truth(93).write(3, 94, folder.path()).expect("takes");
+    let reduce = ["--shared", "gravity", "--reduce", "blocks"];
+    let solve = ["--solve", "blocks"];
+    let run = |arguments: &[String]| fit(folder.path(), 1, arguments);
+    let said = |of: &Output| String::from_utf8_lossy(&of.stdout).into_owned();
+    let first = run(&words(&files[..2], &reduce));
+    assert!(
+        said(&first).contains("round 0: 2 blocks made, 0 were there"),
+        "{first:?}"
+    );
+    let again = run(&words(&files, &reduce));
+    assert!(
+        said(&again).contains("round 0: 1 blocks made, 2 were there"),
+        "{again:?}"
+    );
+    let asks = run(&words(&[], &solve));
+    assert!(
+        said(&asks).contains("asks 3 takes again, round 1"),
+        "{asks:?}"
+    );
+    // Half of the round is not the round.
+    run(&words(&files[..1], &reduce));
+    let asks = run(&words(&[], &solve));
+    assert!(
+        said(&asks).contains("asks 3 takes again, round 1"),
+        "{asks:?}"
+    );
+    // A file that is none, and a take that came too late.
+    let stray = folder.path().join("blocks/round-0/stray.json");
+    fs::write(&stray, "{}").expect("write");
+    let refused = run(&words(&[], &solve));
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(
+        String::from_utf8_lossy(&refused.stderr).contains("stray.json"),
+        "{refused:?}"
+    );
+    fs::remove_file(&stray).expect("remove");
+    let other = ["--shared", "ball.restitution", "--reduce", "others"];
+    run(&words(&files[..1], &other));
+    for entry in fs::read_dir(folder.path().join("others/round-0")).expect("list") {
+        let entry = entry.expect("a file");
+        fs::copy(
+            entry.path(),
+            folder.path().join("blocks/round-0/other.json"),
+        )
+        .expect("copy");
+    }
+    let refused = run(&words(&[], &solve));
+    assert_eq!(refused.status.code(), Some(1));
+    let why = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(
+        why.contains("expected") && why.contains("as in that of"),
+        "{why}"
+    );
+}
+
 #[test]
 fn an_answer_holds_the_truth_on_takes_held_out_and_goes_into_the_scene() {
     let folder = TempDir::new().expect("folder");

@@ -14,6 +14,7 @@ mod pivots;
 #[path = "../support/program.rs"]
 mod program;
 mod seen;
+mod several;
 mod shell;
 #[path = "../support/skip.rs"]
 mod skip;

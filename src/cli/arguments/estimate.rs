@@ -53,9 +53,12 @@ pub(in crate::cli) struct ReplayArguments {
              \x20 enact process takes/*.mcap -o estimates"
 )]
 pub(in crate::cli) struct ProcessArguments {
-    /// The recordings, MCAP files
+    /// The recordings, MCAP files or folders of them
     #[arg(value_name = "IN", required = true)]
     pub(in crate::cli) inputs: Vec<PathBuf>,
+    /// Keep estimates that are there of the same recordings, scenes and options, and make the others
+    #[arg(long)]
+    pub(in crate::cli) resume: bool,
     /// Folder for the estimates, made if it is not there
     #[arg(short, long, value_name = "DIR")]
     pub(in crate::cli) output: PathBuf,

@@ -15,8 +15,8 @@ use crate::service::HoldOut;
              \x20 enact fit takes/*.mcap --shared gravity,die.tracker --drawn bounce.restitution --hold-out 0.2 --page fit.html\n\
              \x20 enact scene calibrated scene.toml fit.toml -o fitted.toml")]
 pub(in crate::cli) struct FitArguments {
-    /// The recordings, MCAP files
-    #[arg(value_name = "IN", required = true)]
+    /// The recordings, MCAP files or folders of them
+    #[arg(value_name = "IN", required_unless_present = "solve")]
     pub(in crate::cli) inputs: Vec<PathBuf>,
     /// Quantities that have one value in all takes, by their [[free]] names; a vector or a pair of tilts as a whole by what
     /// they have in common, such as gravity
@@ -37,6 +37,13 @@ pub(in crate::cli) struct FitArguments {
     /// Where a page of it goes, HTML
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) page: Option<PathBuf>,
+    /// Only makes the block of each take, what it says where the folder asks for it, for --solve; such blocks can be made
+    /// anywhere, side by side
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["hold_out", "output", "page"])]
+    pub(in crate::cli) reduce: Option<PathBuf>,
+    /// Joins the blocks in a folder into the answer, or writes there where takes are to be asked next
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["inputs", "shared", "drawn", "hold_out", "scene", "reduce"])]
+    pub(in crate::cli) solve: Option<PathBuf>,
     #[command(flatten)]
     pub(in crate::cli) budget: Budget,
     /// How the account on stdout is written

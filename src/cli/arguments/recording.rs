@@ -21,9 +21,12 @@ pub(in crate::cli) struct ImportArguments {
     /// Tables of poses (CSV and the like), or one recording (MCAP) of which a part is wanted
     #[arg(value_name = "FILE", required = true)]
     pub(in crate::cli) inputs: Vec<PathBuf>,
-    /// The recording, an MCAP file
+    /// The recording, an MCAP file; a folder with --each
     #[arg(short, long, value_name = "FILE")]
     pub(in crate::cli) output: PathBuf,
+    /// Make a recording of each file, in the folder that -o names
+    #[arg(long)]
+    pub(in crate::cli) each: bool,
     /// Scene file; it travels in the recording
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) scene: Option<PathBuf>,
@@ -85,9 +88,9 @@ pub(in crate::cli) enum Order {
              \x20 enact inspect tip.mcap\n\
              \x20 enact inspect tip.mcap --format ndjson | jq .topics")]
 pub(in crate::cli) struct InspectArguments {
-    /// The recording, an MCAP file
-    #[arg(value_name = "IN")]
-    pub(in crate::cli) input: PathBuf,
+    /// The recordings, MCAP files or folders of them
+    #[arg(value_name = "IN", required = true)]
+    pub(in crate::cli) inputs: Vec<PathBuf>,
     /// Scene file [default: scene.toml attached to the recording]
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) scene: Option<PathBuf>,
@@ -109,9 +112,9 @@ pub(in crate::cli) struct InspectArguments {
                   \x20 enact mark in.mcap --propose -o out.mcap"
 )]
 pub(in crate::cli) struct MarkArguments {
-    /// The recording, an MCAP file
-    #[arg(value_name = "IN")]
-    pub(in crate::cli) input: PathBuf,
+    /// The recording, an MCAP file; with --propose several, or folders of them
+    #[arg(value_name = "IN", required = true)]
+    pub(in crate::cli) inputs: Vec<PathBuf>,
     /// Propose marks where the streams have kinks
     #[arg(long, conflicts_with_all = ["add", "moves", "from", "from_topic"])]
     pub(in crate::cli) propose: bool,
@@ -135,7 +138,7 @@ pub(in crate::cli) struct MarkArguments {
         conflicts_with = "from"
     )]
     pub(in crate::cli) from_topic: Option<String>,
-    /// Write a copy of the recording with the marks
+    /// Write a copy of the recording with the marks; of several recordings a folder for these
     #[arg(short, long, value_name = "FILE")]
     pub(in crate::cli) output: Option<PathBuf>,
     /// Collisions of each body [default: as many as the scene has]

@@ -2,26 +2,27 @@
 
 use anyhow::ensure;
 
-use super::job::FitJob;
 use crate::config::share;
 use crate::motion::Scene;
 
 /// What is asked for.
-pub(super) struct AskedNames {
+#[derive(Clone, Debug, PartialEq)]
+pub struct AskedNames {
     pub(super) all: Vec<String>,
     /// How many of them are shared: the others are drawn.
     pub(super) shared: usize,
 }
 
 impl AskedNames {
-    pub(super) fn of(job: &FitJob) -> anyhow::Result<Self> {
-        let all = [job.shared.clone(), job.drawn.clone()].concat();
+    /// Names of quantities that have one value in all takes, and of those that each take draws. Fails without any.
+    pub fn new(shared: &[String], drawn: &[String]) -> anyhow::Result<Self> {
+        let all = [shared, drawn].concat();
         ensure!(
             !all.is_empty(),
             "nothing is asked for, expected --shared NAME or --drawn NAME, such as --shared bounce.restitution"
         );
         Ok(Self {
-            shared: job.shared.len(),
+            shared: shared.len(),
             all,
         })
     }

@@ -4,12 +4,16 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::DVector;
 
+use super::apart::TakeBlock;
+use super::job::FitInput;
 use super::names::AskedNames;
+use crate::config::{SourceLine, scene_from_toml};
+use crate::ingest::Take;
 use crate::jointly::JointParameter;
 use crate::motion::{Fits, Quantity, Scene, Stamp, TakeEvent, TakeShare};
 use crate::pipeline::{Pipeline, SharedMotion};
-use crate::service::deadline::Deadline;
-use crate::service::finish::{lost, open, warnings};
+use crate::service::as_read::AsRead;
+use crate::service::finish::{lost, warnings};
 use crate::service::panics::guarded;
 use crate::service::provenance::sha256;
 use crate::service::words::words;
@@ -47,12 +51,10 @@ pub(super) struct AskedTake {
     pub(super) shared: usize,
     /// What the scene says of them.
     pub(super) initial: DVector<f64>,
-    /// Its streams, for the answer's account.
-    pub(super) topics: Vec<String>,
-    pub(super) poses: usize,
-    pub(super) dropped: usize,
-    pub(super) first: Stamp,
-    pub(super) long_s: f64,
+    /// What of the recording it is made of.
+    pub(super) source: SourceLine,
+    /// The text of the scene.
+    pub(super) scene_toml: String,
     events: Vec<TakeEvent>,
     /// Its motion, or why it has none.
     pub(super) motion: Result<SharedMotion, String>,
@@ -61,30 +63,35 @@ pub(super) struct AskedTake {
 }
 
 impl Member {
-    /// Reads a recording and finds its motion. Whatever fails is said of this one alone.
+    /// Reads a recording. Whatever fails is said of this one alone.
     pub(super) fn read(
         place: usize,
-        input: &Path,
+        input: &FitInput,
         scene: Option<&Path>,
         names: &AskedNames,
     ) -> Self {
         let mut member = Self {
             place,
-            path: input.to_owned(),
-            file: input.display().to_string(),
+            path: input.name().to_owned(),
+            file: input.name().display().to_string(),
             sha256: String::new(),
             asked: Err(String::new()),
             is_left_alone: false,
             is_held_out: false,
             notes: Vec::new(),
         };
-        let asked = guarded(|| member.asked(scene, names));
+        let asked = guarded(|| member.asked(input, scene, names));
         member.asked = asked.map_err(|error| words(&error));
         member
     }
 
-    fn asked(&mut self, scene: Option<&Path>, names: &AskedNames) -> anyhow::Result<AskedTake> {
-        let opened = open(&self.path, scene, Deadline::begin(None))?;
+    fn asked(
+        &mut self,
+        input: &FitInput,
+        scene: Option<&Path>,
+        names: &AskedNames,
+    ) -> anyhow::Result<AskedTake> {
+        let opened = input.opened(scene)?;
         let recording = &opened.recording;
         self.sha256 = sha256(recording.container().bytes());
         if has_estimate(recording.container()) {
@@ -95,43 +102,56 @@ impl Member {
         let lost = lost(&take.report);
         let lost = lost.iter().map(|line| format!("lost: {line}"));
         self.notes = lost.chain(warnings(&take.report)).collect();
+        let source = self.source(&take);
+        let toml = String::from_utf8_lossy(&opened.scene_toml).into_owned();
         let given = opened.scene.for_reading().clone();
-        let mut scene = given.clone();
-        let (parameters, shared) = names.free(&mut scene)?;
-        let is_free = |at: &usize| *at < given.parameters.len();
-        let was_free = parameters.iter().copied().filter(is_free).collect();
-        let initial = parameters.iter().map(|at| scene.parameters[*at].initial);
-        let topics = take.report.topics.iter();
+        let mut asked = AskedTake::new(given, toml, source, names)?;
+        asked.events = take.events;
+        Ok(asked)
+    }
+
+    /// What of the recording is read, for the answer's account.
+    fn source(&self, take: &Take) -> SourceLine {
         let stamps = take.events.iter().filter(|event| event.mark().is_none());
         let stamps = stamps.map(TakeEvent::stamp);
-        let (first, last) = (stamps.clone().min(), stamps.max());
+        let (first, last) = (stamps.clone().min(), stamps.clone().max());
         let first = first.unwrap_or(Stamp(0));
-        let mut asked = AskedTake {
-            initial: DVector::from_iterator(parameters.len(), initial),
-            placed: DVector::zeros(parameters.len()),
-            parameters,
-            was_free,
-            shared,
-            topics: topics
-                .clone()
-                .filter(|topic| topic.events > 0)
-                .map(|topic| topic.topic.clone())
-                .collect(),
-            poses: take
-                .events
-                .iter()
-                .filter(|event| event.mark().is_none())
-                .count(),
+        let topics = take.report.topics.iter();
+        let named = topics.clone().filter(|topic| topic.events > 0);
+        let named: Vec<&str> = named.map(|topic| topic.topic.as_str()).collect();
+        SourceLine {
+            file: self.file.clone(),
+            sha256: Some(self.sha256.clone()),
+            topic: named.join(", "),
+            poses: stamps.count(),
             dropped: topics.map(|topic| topic.undecodable as usize).sum(),
-            first,
-            long_s: last.map_or(0.0, |last| last.seconds_since(first)),
-            given,
-            scene,
-            events: take.events,
-            motion: Err(String::new()),
+            first_stamp_ns: first.0,
+            from_s: 0.0,
+            to_s: last.map_or(0.0, |last| last.seconds_since(first)),
+        }
+    }
+
+    /// One of which what it says is known, and the recording is not here.
+    pub(super) fn of_block(place: usize, block: &TakeBlock, names: &AskedNames) -> Self {
+        let asked = match &block.why {
+            Some(why) => Err(why.clone()),
+            None => guarded(|| {
+                let scene = scene_from_toml(&block.scene_toml)?;
+                let given = AsRead::of(scene).for_reading().clone();
+                AskedTake::new(given, block.scene_toml.clone(), block.source.clone(), names)
+            })
+            .map_err(|error| words(&error)),
         };
-        asked.motion = asked.found();
-        Ok(asked)
+        Self {
+            place,
+            path: PathBuf::from(&block.source.file),
+            file: block.source.file.clone(),
+            sha256: block.source.sha256.clone().unwrap_or_default(),
+            asked,
+            is_left_alone: block.is_left_alone,
+            is_held_out: false,
+            notes: block.notes.clone(),
+        }
     }
 
     /// By the contents, then by the name: the order of the inputs does not matter.
@@ -153,6 +173,32 @@ impl Member {
 }
 
 impl AskedTake {
+    /// With what is asked for free in its scene, and no motion yet.
+    pub(super) fn new(
+        given: Scene,
+        scene_toml: String,
+        source: SourceLine,
+        names: &AskedNames,
+    ) -> anyhow::Result<Self> {
+        let mut scene = given.clone();
+        let (parameters, shared) = names.free(&mut scene)?;
+        let is_free = |at: &usize| *at < given.parameters.len();
+        let initial = parameters.iter().map(|at| scene.parameters[*at].initial);
+        Ok(Self {
+            initial: DVector::from_iterator(parameters.len(), initial),
+            placed: DVector::zeros(parameters.len()),
+            was_free: parameters.iter().copied().filter(is_free).collect(),
+            parameters,
+            shared,
+            source,
+            scene_toml,
+            given,
+            scene,
+            events: Vec::new(),
+            motion: Err("its motion was not looked for".to_owned()),
+        })
+    }
+
     pub(super) fn parameters(&self) -> Vec<JointParameter> {
         let all = self.parameters.iter().enumerate();
         all.map(|(at, of)| JointParameter::new(&self.scene.parameters[*of], at >= self.shared))
@@ -163,10 +209,11 @@ impl AskedTake {
         Pipeline::of(scene.clone(), self.events.iter().cloned())
     }
 
-    fn found(&self) -> Result<SharedMotion, String> {
+    /// Finds its motion at its own values.
+    pub(super) fn find(&mut self) {
         let pipeline = self.pipeline(&self.scene);
         let found = guarded(|| Ok(pipeline.shared(&self.parameters, &mut ())?));
-        found.map_err(|error| words(&error))
+        self.motion = found.map_err(|error| words(&error));
     }
 
     /// What it says at its own values.

@@ -37,9 +37,9 @@ impl ToldFit {
         joint: &JointSearch,
         shares: &[Option<TakeShare>],
         members: &mut [Member],
+        misfits: &[bool],
     ) -> anyhow::Result<Self> {
         let compared = compared(joint, shares, members);
-        let misfits = misfits(joint, members);
         let (intervals, correlations) = joint.intervals(shares);
         let judged = joint.judged(shares, &intervals);
         let first = members.iter().find_map(|of| of.asked.as_ref().ok());
@@ -132,19 +132,6 @@ fn compared(
                 by_fit,
                 by_scene: asked.at(&initial),
             })
-        })
-        .collect()
-}
-
-/// Of which takes that take part the motion at the answer does not explain the samples.
-fn misfits(joint: &JointSearch, members: &mut [Member]) -> Vec<bool> {
-    members
-        .par_iter_mut()
-        .enumerate()
-        .map(|(take, member)| {
-            let fitted = member.asked.as_ref().ok();
-            let fitted = fitted.filter(|_| joint.is_taking_part(take));
-            fitted.is_some_and(|of| of.misfits(&joint.asked(take)))
         })
         .collect()
 }
@@ -418,19 +405,7 @@ fn calibration(line: &FitLine, first: &AskedTake, members: &[Member]) -> Calibra
     let mut notes = line.notes.clone();
     for member in members {
         let Ok(asked) = &member.asked else { continue };
-        sources.push((
-            member.place,
-            SourceLine {
-                file: member.file.clone(),
-                sha256: Some(member.sha256.clone()),
-                topic: asked.topics.join(", "),
-                poses: asked.poses,
-                dropped: asked.dropped,
-                first_stamp_ns: asked.first.0,
-                from_s: 0.0,
-                to_s: asked.long_s,
-            },
-        ));
+        sources.push((member.place, asked.source.clone()));
     }
     sources.sort_by_key(|(place, _)| *place);
     let held: Vec<String> = members

@@ -13,60 +13,6 @@ use crate::write::{joined, write_part};
 /// Between two recordings of one bag is no longer time than this \[s\].
 const PAUSE_S: f64 = 10.0;
 
-/// The files that are meant: of a folder of a bag those in it, by name. Fails where a folder has none that can be read.
-pub(super) fn files(inputs: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
-    let mut files = Vec::new();
-    for input in inputs {
-        match input.is_dir() {
-            true => files.extend(files_in(input)?),
-            false => files.push(input.clone()),
-        }
-    }
-    Ok(files)
-}
-
-fn files_in(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
-    let shown = folder.display();
-    let entries = std::fs::read_dir(folder).with_context(|| format!("{shown}: cannot read"))?;
-    let mut recordings = Vec::new();
-    let mut others = Vec::new();
-    for entry in entries {
-        let path = entry
-            .with_context(|| format!("{shown}: cannot read"))?
-            .path();
-        let ending = path.extension().and_then(|of| of.to_str());
-        match ending.map(str::to_ascii_lowercase).as_deref() {
-            Some("mcap") => recordings.push(path),
-            Some(ending) => others.push(ending.to_owned()),
-            None => {}
-        }
-    }
-    recordings.sort();
-    if !recordings.is_empty() {
-        return Ok(recordings);
-    }
-    let has = |ending: &str| others.iter().any(|of| of == ending);
-    if has("db3") {
-        let folder = folder.components().as_path().display();
-        bail!(
-            "{shown}: is the folder of a ROS 2 bag that is no MCAP, expected recordings (.mcap); make MCAP of it: `pip install \
-             rosbags==0.11.9`, then `rosbags-convert --src {folder} --dst {folder}_mcap --dst-storage mcap`, and import \
-             {folder}_mcap"
-        );
-    }
-    if has("zstd") {
-        bail!(
-            "{shown}: its recordings are packed, expected .mcap: `zstd -d {shown}/*.zstd` unpacks them"
-        );
-    }
-    if has("bag") {
-        bail!(
-            "{shown}: has bags of ROS 1, expected recordings (.mcap): import one of them for how to convert it"
-        );
-    }
-    bail!("{shown}: is a folder without recordings (.mcap), expected some, or the name of a file")
-}
-
 /// The recording of several, or the part of one that is wanted, with the scene.
 pub(super) fn recordings(
     job: &ImportJob,

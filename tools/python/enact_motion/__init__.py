@@ -19,10 +19,13 @@ from ._core import Scene as _Scene
 from ._core import Take as _Take
 from ._errors import SceneError, TakeError
 from ._estimate import Estimate, Event, Impact, Motion, Parameter, Residuals, TimeMap
+from ._fit import Fit, FitParameter, fit, join, reduce
 
 __all__ = [
     "Estimate",
     "Event",
+    "Fit",
+    "FitParameter",
     "Impact",
     "Motion",
     "Parameter",
@@ -32,7 +35,10 @@ __all__ = [
     "Take",
     "TakeError",
     "TimeMap",
+    "fit",
+    "join",
     "read",
+    "reduce",
 ]
 
 _UNITS_M = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}

@@ -8,6 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 __all__ = [
     "Estimate",
     "Event",
+    "Fit",
+    "FitParameter",
     "Impact",
     "Motion",
     "Parameter",
@@ -17,7 +19,10 @@ __all__ = [
     "Take",
     "TakeError",
     "TimeMap",
+    "fit",
+    "join",
     "read",
+    "reduce",
 ]
 
 _Array: TypeAlias = NDArray[np.float64]
@@ -198,3 +203,47 @@ class Estimate:
     def write(self, path: _Path) -> None: ...
 
 def read(source: _Path | bytes | bytearray | memoryview, *, scene: Scene | None = None) -> Take: ...
+
+class FitParameter(NamedTuple):
+    value: float
+    sd: float | None
+    interval: tuple[float, float] | None
+    unit: str
+    drawn: bool
+    spread: float | None
+    spread_interval: tuple[float, float] | None
+    determined: bool
+    at_bound: bool
+    in_scene: float
+
+class Fit:
+    def __init__(self, texts: tuple[str, str, str]) -> None: ...
+    def __setattr__(self, name: str, value: object) -> NoReturn: ...
+    @property
+    def parameters(self) -> dict[str, FitParameter]: ...
+    @property
+    def correlations(self) -> _Array: ...
+    @property
+    def against(self) -> tuple[str, ...]: ...
+    @property
+    def undetermined(self) -> tuple[str, ...]: ...
+    @property
+    def held_out(self) -> dict[str, Any] | None: ...
+    @property
+    def takes(self) -> list[dict[str, Any]]: ...
+    @property
+    def report(self) -> dict[str, Any]: ...
+    @property
+    def toml(self) -> str: ...
+
+def fit(
+    takes: Iterable[_Path | Take],
+    *,
+    shared: Iterable[str] = (),
+    drawn: Iterable[str] = (),
+    hold_out: float | Iterable[_Path] | None = None,
+) -> Fit: ...
+def reduce(
+    take: _Path | Take, *, shared: Iterable[str] = (), drawn: Iterable[str] = (), question: bytes | None = None
+) -> bytes | None: ...
+def join(blocks: Iterable[bytes]) -> bytes | Fit: ...

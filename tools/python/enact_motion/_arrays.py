@@ -74,3 +74,10 @@ def rows(data, columns):
     import numpy as np
 
     return np.frombuffer(data, dtype=np.float64).reshape(-1, columns)
+
+
+def matrix(rows):
+    """The array (n, n) of lists."""
+    import numpy as np
+
+    return np.array(rows, dtype=np.float64).reshape(len(rows), len(rows))

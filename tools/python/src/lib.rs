@@ -7,6 +7,7 @@
 
 mod errors;
 mod estimate;
+mod fit;
 mod numbers;
 mod scene;
 mod take;
@@ -19,6 +20,8 @@ use pyo3::prelude::*;
 mod _core {
     #[pymodule_export]
     use super::estimate::Estimate;
+    #[pymodule_export]
+    use super::fit::{fit_takes, join_blocks, reduce_take};
     #[pymodule_export]
     use super::scene::Scene;
     #[pymodule_export]

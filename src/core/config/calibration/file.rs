@@ -48,7 +48,7 @@ pub struct Calibration {
 }
 
 /// A stream that a calibration was made of.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SourceLine {
     /// The recording.

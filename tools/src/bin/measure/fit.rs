@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use enact::report::FitLine;
-use enact::service::{FitJob, HoldOut, fit};
+use enact::service::{FitInput, FitJob, FitStop, HoldOut, fit};
 use enact_tools::fits::BallTruth;
 use enact_tools::perform::recording::write_events_of;
 use rand::SeedableRng;
@@ -94,13 +94,14 @@ fn answer(kind: Kind, seed: u64) -> Result<FitAnswer> {
     };
     let begun = Instant::now();
     let fitted = fit(&FitJob {
-        inputs,
+        inputs: inputs.into_iter().map(FitInput::File).collect(),
         scene: None,
         shared: list(shared),
         drawn,
         hold_out: None,
         output: None,
         page: None,
+        stop: FitStop::default(),
     });
     let seconds = begun.elapsed().as_secs_f64() / kind.takes as f64;
     let Ok(fitted) = fitted else {
@@ -242,13 +243,14 @@ fn tosses(options: &Options, record: &mut Record) -> Result<()> {
     for (shared, drawn) in [(laws.to_vec(), Vec::new()), (Vec::new(), laws.to_vec())] {
         let begun = Instant::now();
         let fitted = fit(&FitJob {
-            inputs: inputs.clone(),
+            inputs: inputs.iter().cloned().map(FitInput::File).collect(),
             scene: None,
             shared,
             drawn,
             hold_out: Some(HoldOut::Share(0.5)),
             output: None,
             page: None,
+            stop: FitStop::default(),
         })?;
         let each_ms = 1e3 * begun.elapsed().as_secs_f64() / inputs.len() as f64;
         let line = fitted.line;
