@@ -167,7 +167,64 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     }
     record.table(table);
     record.numbers("fit", &all)?;
+    workers(options, record)?;
     tosses(options, record)
+}
+
+/// Takes of the answer whose wall time is measured.
+const TIMED_TAKES: usize = 1000;
+
+/// Wall times of one answer by one and by two threads, and by more as these two tell it: a part that is serial, and one that
+/// is divided (Amdahl).
+fn workers(options: &Options, record: &mut Record) -> Result<()> {
+    let takes = options.either(20, TIMED_TAKES);
+    if !options.wants("workers") {
+        return Ok(());
+    }
+    let truth = BallTruth::drawn(&mut ChaCha8Rng::seed_from_u64(options.first_seed));
+    let folder = TempDir::new()?;
+    let inputs = truth.write(takes, 0xacc, folder.path())?;
+    let job = FitJob {
+        inputs: inputs.into_iter().map(FitInput::File).collect(),
+        scene: None,
+        shared: vec!["ball.restitution".to_owned(), "gravity".to_owned()],
+        drawn: Vec::new(),
+        hold_out: None,
+        output: None,
+        page: None,
+        stop: FitStop::default(),
+    };
+    let mut measured_s = Vec::new();
+    for threads in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()?;
+        let begun = Instant::now();
+        pool.install(|| fit(&job))?;
+        measured_s.push(begun.elapsed().as_secs_f64());
+    }
+    let serial_s = (2.0 * measured_s[1] - measured_s[0]).max(0.0);
+    let divided_s = measured_s[0] - serial_s;
+    let mut table = Table::new(
+        "workers",
+        "",
+        &["workers", "takes", "wall time s", "how", "of it serial s"],
+    );
+    for workers in [1_usize, 2, 10, 100, 1000] {
+        let (time_s, how) = match measured_s.get(workers - 1) {
+            Some(time_s) => (*time_s, "measured"),
+            None => (serial_s + divided_s / workers as f64, "by the model"),
+        };
+        table.row([
+            workers.to_string(),
+            takes.to_string(),
+            number(time_s),
+            how.to_owned(),
+            number(serial_s),
+        ]);
+    }
+    record.table(table);
+    record.numbers("workers", &measured_s)
 }
 
 fn cells(kind: Kind, answers: &[FitAnswer]) -> Vec<String> {
