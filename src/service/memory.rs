@@ -12,8 +12,8 @@ use super::panics::guarded;
 use super::provenance::provenance;
 use super::refusal::Refusal;
 use crate::ingest::{Recording, SCENE_NAME, Take};
-use crate::motion::{Mark, Observer, PoseSample, Scene, TrackIndex};
-use crate::pipeline::{KeptMotion, Outcome, Pipeline};
+use crate::motion::{Mark, Observer, PoseSample, SampleSource, Scene, TrackIndex};
+use crate::pipeline::{KeptMotion, MarkProposal, Outcome, Pipeline};
 use crate::report::{Provenance, Reported};
 use crate::write::{DEFAULT_WORLD_FRAME, RecordingWriter};
 
@@ -84,6 +84,17 @@ impl TakeInMemory {
     /// Parts of the recording that could not be read, and what to know of the others.
     pub fn notes(&self) -> Vec<String> {
         [lost(&self.take.report), warnings(&self.take.report)].concat()
+    }
+
+    /// The scene with which it is read.
+    pub fn scene(&self) -> &Scene {
+        self.opened.scene.for_reading()
+    }
+
+    /// Marks that its streams show, as [`mark`](super::mark()) proposes them.
+    pub fn propose(&self, count: Option<usize>) -> anyhow::Result<Vec<MarkProposal>> {
+        let pipeline = self.opened.scene.pipeline(self.take.events.iter().cloned());
+        Ok(guarded(|| Ok(pipeline.propose(count)?))?)
     }
 
     /// Estimates the motion; whether it is freed and diagnosed is as [`ReplayJob`](super::ReplayJob) says. A bug is an error. With it
@@ -179,7 +190,7 @@ impl EstimateInMemory {
 }
 
 impl SceneInMemory {
-    /// A recording of poses and marks, in which the scene travels; what is earlier comes first.
+    /// A recording of poses, or keyframes, and marks, in which the scene travels; what is earlier comes first.
     pub fn recording(
         &self,
         name: &Path,
@@ -192,12 +203,9 @@ impl SceneInMemory {
             .keys()
             .map(|track| self.scene.stream_topic(track, 0))
             .collect();
-        let poses = poses.iter().map(|(track, sample)| {
-            (
-                sample.stamp,
-                Ok((topics[usize::from(*track)].as_str(), sample)),
-            )
-        });
+        let poses = poses
+            .iter()
+            .map(|(track, sample)| (sample.stamp, Ok((*track, sample))));
         let marks = marks.iter().map(|mark| (mark.stamp, Err(mark)));
         let mut entries: Vec<_> = poses.chain(marks).collect();
         entries.sort_by_key(|(stamp, _)| *stamp);
@@ -205,7 +213,15 @@ impl SceneInMemory {
         writer.attach(SCENE_NAME, "application/toml", self.toml.as_bytes())?;
         for (stamp, entry) in entries {
             match entry {
-                Ok((topic, sample)) => writer.pose(topic, DEFAULT_WORLD_FRAME, stamp, sample)?,
+                Ok((track, sample)) => {
+                    let topic = topics[usize::from(track)].as_str();
+                    let written = (sample.from == SampleSource::Keyframe)
+                        .then(|| self.scene.mount(track).keyframe_of(sample));
+                    match written.flatten() {
+                        Some(keyframe) => writer.keyframe(topic, stamp, &keyframe)?,
+                        None => writer.pose(topic, DEFAULT_WORLD_FRAME, stamp, sample)?,
+                    }
+                }
                 Err(mark) => writer.mark(&self.scene.marks_topic, stamp, mark)?,
             }
         }

@@ -18,7 +18,7 @@ from . import _arrays
 from ._core import Scene as _Scene
 from ._core import Take as _Take
 from ._errors import SceneError, TakeError
-from ._estimate import Estimate, Event, Impact, Motion, Parameter, Residuals, TimeMap
+from ._estimate import Estimate, Event, Impact, Motion, Parameter, Proposal, Residuals, TimeMap
 from ._fit import Fit, FitParameter, fit, join, reduce
 
 __all__ = [
@@ -29,6 +29,7 @@ __all__ = [
     "Impact",
     "Motion",
     "Parameter",
+    "Proposal",
     "Residuals",
     "Scene",
     "SceneError",
@@ -235,8 +236,23 @@ class Take:
         sees = dict(self._scene._core.tracks)
         if track not in sees:
             raise KeyError(f"track: no {track!r} in the scene, expected one of {', '.join(sees)}")
-        self._poses.append((track, *_arrays.poses(t, position, quaternion, order, sees[track])))
+        self._poses.append((track, *_arrays.poses(t, position, quaternion, order, sees[track]), None))
         self._core = None
+        return self
+
+    def keyframes(self, body, t, position, quaternion, *, order, within=0):
+        """Adds poses that somebody wrote, a few of each flight (``docs/sketch.md``); returns the take.
+
+        ``body``: one of ``scene.bodies`` whose pose is tracked. ``t``, ``position``, ``quaternion``, ``order``: as for :meth:`poses`, of the
+        body's frame. ``within``: how far each true time may be from ``t``, seconds; where not 0 the scene's stamps are physical.
+
+        >>> take = Take(Scene.new("die", stamps="physical"))
+        >>> take.keyframes("die", [0, 0.2], [[0, 0, 1], [0, 0, 0.5]], [[1, 0, 0, 0]] * 2, order="wxyz", within=0.04)
+        <Take of 'die': 2 poses, 0 marks>
+        """
+        within = _arrays.limit(within) or 0.0
+        self.poses(body, t, position, quaternion, order=order)
+        self._poses[-1] = (*self._poses[-1][:-1], within)
         return self
 
     def mark(self, event, t):
@@ -260,12 +276,21 @@ class Take:
         self._core = None
         return self
 
-    def estimate(self, *, free=None, deadline=None, diagnose=True):
+    def proposals(self, count=None):
+        """Where events may be, as ``enact mark --propose`` says: a tuple of :class:`Proposal` in order of time.
+
+        ``count``: how many collisions of each body are looked for; as many as the scene has by default. Marks of the take do
+        not count. Raises :class:`TakeError` where the streams are too short.
+        """
+        return tuple(Proposal(*of) for of in self._made().proposals(count))
+
+    def estimate(self, *, free=None, deadline=None, diagnose=True, told=None):
         """Estimates the motion, as ``enact replay`` does; returns an :class:`Estimate`, whatever its verdict.
 
         ``free``: "auto" sets free what explains a misfit, the fewest of the quantities that the scene keeps fixed. ``deadline``:
         seconds after which the best so far is given; such an estimate depends on the machine. ``diagnose``: whether likely
-        mistakes are looked for where something speaks against the motion, at up to ten times the work.
+        mistakes are looked for where something speaks against the motion, at up to ten times the work. ``told``: called some
+        50 times a second with the name of the phase; where it returns true the best so far is given, as at the deadline.
 
         Other Python threads go on meanwhile; Ctrl-C ends it with KeyboardInterrupt. The same take gives the same bits, in any
         thread. Raises :class:`TakeError` where no estimate is possible.
@@ -273,7 +298,7 @@ class Take:
         if free not in (None, "auto"):
             raise ValueError(f"free: {free!r}, expected 'auto' or None; [[free]] of the scene names single quantities")
         options = (free == "auto", bool(diagnose))
-        return Estimate._of(self, options, self._made().estimate(*options, _arrays.limit(deadline)))
+        return Estimate._of(self, options, self._made().estimate(*options, _arrays.limit(deadline), told))
 
     def to_bytes(self):
         """The recording, an MCAP file with the scene in it: what :func:`read` and ``enact replay`` take."""
@@ -308,7 +333,7 @@ class Take:
     def __repr__(self):
         if self._read:
             return f"<Take of {self._scene.name!r}: {self._name}>"
-        poses = sum(len(t) // 8 for _, t, _, _ in self._poses)
+        poses = sum(len(t) // 8 for _, t, *_ in self._poses)
         return f"<Take of {self._scene.name!r}: {poses} poses, {len(self._marks)} marks>"
 
     def __reduce__(self):

@@ -1,4 +1,4 @@
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from os import PathLike
 from typing import Any, Literal, NamedTuple, NoReturn, Protocol, TypeAlias
 
@@ -13,6 +13,7 @@ __all__ = [
     "Impact",
     "Motion",
     "Parameter",
+    "Proposal",
     "Residuals",
     "Scene",
     "SceneError",
@@ -94,9 +95,25 @@ class Take:
         *,
         order: Literal["wxyz", "xyzw"] | None = None,
     ) -> Take: ...
+    def keyframes(
+        self,
+        body: str,
+        t: ArrayLike,
+        position: ArrayLike,
+        quaternion: ArrayLike | _Rotation,
+        *,
+        order: Literal["wxyz", "xyzw"] | None,
+        within: float = 0,
+    ) -> Take: ...
     def mark(self, event: str | None, t: float) -> Take: ...
+    def proposals(self, count: int | None = None) -> tuple[Proposal, ...]: ...
     def estimate(
-        self, *, free: Literal["auto"] | None = None, deadline: float | None = None, diagnose: bool = True
+        self,
+        *,
+        free: Literal["auto"] | None = None,
+        deadline: float | None = None,
+        diagnose: bool = True,
+        told: Callable[[str], object] | None = None,
     ) -> Estimate: ...
     def to_bytes(self) -> bytes: ...
     @property
@@ -123,6 +140,12 @@ class Parameter(NamedTuple):
     lower: float
     upper: float
     at_bound: Literal["lower", "upper", "cone"] | None
+
+class Proposal(NamedTuple):
+    event: str | None
+    t: float
+    body: str | None
+    score: float | None
 
 class Motion(NamedTuple):
     t: _Array
@@ -195,10 +218,16 @@ class Estimate:
     def span(self, body: str | None = None) -> tuple[float, float] | None: ...
     def sample(self, rate: float, body: str | None = None) -> Motion: ...
     def at(self, t: ArrayLike, body: str | None = None) -> Motion: ...
+    def simulated(self, body: str | None = None) -> tuple[_Array, _Array, _Array]: ...
     def residuals(self, track: str | None = None) -> Residuals: ...
     def covariance(self, names: Iterable[str] | None = None) -> _Array: ...
     def update(
-        self, *, goals: Iterable[dict[str, Any]], sd: bool = True, deadline: float | None = None
+        self,
+        *,
+        goals: Iterable[dict[str, Any]],
+        sd: bool = True,
+        deadline: float | None = None,
+        told: Callable[[str], object] | None = None,
     ) -> Estimate: ...
     def write(self, path: _Path) -> None: ...
 

@@ -37,6 +37,13 @@ Residuals.__doc__ = """What a track saw less what the motion shows, sample by sa
 metres. ``rotation`` (n, 3): rotation vector about the body's principal axes, radians. NaN of what the track does not see.
 """
 
+Proposal = namedtuple("Proposal", "event t body score")
+Proposal.__doc__ = """Where an event may be: ``t`` seconds since the first sample.
+
+``event``: its name in the scene, None where another count was asked for. ``body``: whose motion has the kink, and ``score``: what
+the cut there gains over a superfluous one; None of starts and ends.
+"""
+
 TimeMap = namedtuple("TimeMap", "acted physical")
 TimeMap.__doc__ = """``acted`` (n,) against ``physical`` (n,) seconds of a track's samples."""
 
@@ -265,6 +272,14 @@ class Estimate:
         parts = (states[..., a:b] for a, b in ((0, 3), (3, 7), (7, 10), (10, 13)))
         return Motion(np.frombuffer(times.tobytes()).reshape(times.shape), *parts)
 
+    def simulated(self, body=None):
+        """What is simulated after the end until it rests (``settle_s``): t (n,), position (n, 3), quaternion (n, 4), as in :class:`Motion`.
+
+        Empty where the scene asks for none. The first row is at the end of the motion; bounces between rows are not shown exactly.
+        """
+        rows = _arrays.rows(self._made().simulated(self._body(body)), 8)
+        return rows[:, 0], rows[:, 1:4], rows[:, 4:8]
+
     def residuals(self, track=None):
         """What a track saw less what the motion shows: :class:`Residuals`, of all samples that were used.
 
@@ -306,12 +321,12 @@ class Estimate:
         chosen.flags.writeable = False
         return chosen
 
-    def update(self, *, goals, sd=True, deadline=None):
+    def update(self, *, goals, sd=True, deadline=None, told=None):
         """The estimate of the same take with other goals, from this one on: the live path of an editor.
 
         ``goals``: a list of dicts with the keys of ``[[goal]]`` (``docs/goals.md``), in place of all of the scene's. ``sd``: whether
         standard deviations are told, which takes most of the time; without, nothing is said to be determined, and
-        :meth:`covariance` tells them later. ``deadline``: as for :meth:`Take.estimate`. The same optimum to the solver's tolerance, in a few steps, samples weighed as in this
+        :meth:`covariance` tells them later. ``deadline``, ``told``: as for :meth:`Take.estimate`. The same optimum to the solver's tolerance, in a few steps, samples weighed as in this
         one; checked for gaps and overlaps, and not asked whether it fits. Where that leads nowhere (:attr:`is_warm`) it is estimated
         anew. Raises :class:`SceneError` for a goal that is refused.
 
@@ -330,7 +345,7 @@ class Estimate:
 
         core = self._take.scene._core.with_goals(json.dumps(list(goals), default=plain))
         free, diagnose, _ = self._options
-        found = self._made().update(core, bool(sd), free, diagnose, _arrays.limit(deadline))
+        found = self._made().update(core, bool(sd), free, diagnose, _arrays.limit(deadline), told)
         return Estimate._of(self._take._in_scene(core), (free, diagnose), found, base=(self, bool(sd)))
 
     def write(self, path):
@@ -360,10 +375,10 @@ class Estimate:
             if is_late:
                 raise ValueError("its deadline ended this estimate, and it was pickled: its motion cannot be made again")
             if self._base is None:
-                core = self._take._made().estimate(free, diagnose, None)
+                core = self._take._made().estimate(free, diagnose, None, None)
             else:
                 base, sd = self._base
-                core = base._made().update(self._take.scene._core, sd, free, diagnose, None)
+                core = base._made().update(self._take.scene._core, sd, free, diagnose, None, None)
             if core.report() != self._text:
                 raise ValueError("another version made this estimate, and it was pickled: its motion is another one")
             object.__setattr__(self, "_core", core)

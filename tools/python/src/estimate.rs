@@ -110,6 +110,24 @@ impl Estimate {
         Ok(numbers::to_bytes(py, states.iter().flat_map(row)))
     }
 
+    /// Of a body what is simulated after the end, row by row: time, position, quaternion w x y z.
+    fn simulated<'py>(&self, py: Python<'py>, body: &str) -> PyResult<Bound<'py, PyBytes>> {
+        let link = self.link(body)?;
+        let outcome = &self.of.outcome;
+        let given = outcome.scene.links[link].link_from_given;
+        let rows = outcome.settled.iter().flat_map(|settled| {
+            let poses = settled.links[link].poses.iter().enumerate();
+            poses.flat_map(move |(step, pose)| {
+                let pose = pose * given;
+                let [x, y, z] = pose.translation.vector.into();
+                let q = pose.rotation.quaternion();
+                let time_s = settled.from_s + step as f64 * settled.interval_s;
+                [time_s, x, y, z, q.w, q.i, q.j, q.k]
+            })
+        });
+        Ok(numbers::to_bytes(py, rows))
+    }
+
     /// Of a track, row by row: acted time, physical time \[s\], position \[m\], rotation vector \[rad\]; NaN of what it does not see.
     fn residuals<'py>(&self, py: Python<'py>, track: &str) -> PyResult<Bound<'py, PyBytes>> {
         let outcome = &self.of.outcome;
@@ -135,6 +153,7 @@ impl Estimate {
     }
 
     /// The estimate of the same take in a scene with other goals, from this one on; anew where that leads nowhere.
+    #[expect(clippy::too_many_arguments, reason = "Python names them")]
     fn update(
         &self,
         py: Python<'_>,
@@ -143,9 +162,10 @@ impl Estimate {
         is_free_auto: bool,
         is_diagnosing: bool,
         deadline_s: Option<f64>,
+        told: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
         let take = Arc::new(self.take.in_scene(&scene.of));
-        let mut watch = Watch::begin(limit(deadline_s));
+        let mut watch = Watch::begin(limit(deadline_s)).telling(told);
         let found = py.detach(|| {
             let warm = match self.kept().as_ref() {
                 Some(kept) => take.with_goals_of(&self.of, kept, is_told, &mut watch)?,

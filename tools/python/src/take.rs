@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use enact::motion::{Holds, Mark, PoseSample, Stamp, TrackIndex};
+use enact::motion::{Holds, Mark, OpenTime, PoseSample, SampleSource, Stamp, TrackIndex};
 use enact::service::TakeInMemory;
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
@@ -21,8 +21,15 @@ pub struct Take {
     pub of: Arc<TakeInMemory>,
 }
 
-/// Poses of one track, row by row: of a track that sees no orientation the quaternions are empty.
-type Rows = (String, PyBackedBytes, PyBackedBytes, PyBackedBytes);
+/// Poses of one track, row by row: of a track that sees no orientation the quaternions are empty. Where the last is a number
+/// they are keyframes of the body, within so many seconds of their times.
+type Rows = (
+    String,
+    PyBackedBytes,
+    PyBackedBytes,
+    PyBackedBytes,
+    Option<f64>,
+);
 
 #[pymethods]
 impl Take {
@@ -55,7 +62,7 @@ impl Take {
         marks: Vec<(Option<String>, f64)>,
     ) -> PyResult<Bound<'py, PyBytes>> {
         let mut samples: Vec<(TrackIndex, PoseSample)> = Vec::new();
-        for (track, times, positions, quaternions) in poses {
+        for (track, times, positions, quaternions, within_s) in poses {
             let track = scene.track(&track)?;
             let [times_s, positions, quaternions] = [
                 numbers::of_bytes(&times)?,
@@ -76,7 +83,8 @@ impl Take {
                     Some(_) => Holds::Pose,
                     None => Holds::Position,
                 };
-                samples.push((track, PoseSample { holds, ..pose }));
+                let sample = PoseSample { holds, ..pose };
+                samples.push((track, within_s.map_or(sample, |of| keyframe(sample, of))));
             }
         }
         let marks = marks.into_iter().map(|(event, time_s)| Mark {
@@ -122,15 +130,32 @@ impl Take {
         self.of.notes()
     }
 
-    /// Estimates the motion without the interpreter; what a signal raises ends it.
+    /// Where events may be: event, time \[s since the first sample\], body, score.
+    fn proposals(
+        &self,
+        py: Python<'_>,
+        count: Option<usize>,
+    ) -> PyResult<Vec<(Option<String>, f64, Option<String>, Option<f64>)>> {
+        let proposed = py.detach(|| self.of.propose(count));
+        let proposed = proposed.map_err(|error| errors::of_any(py, &error))?;
+        let scene = self.of.scene();
+        let each = proposed.into_iter().map(|of| {
+            let body = of.track.map(|track| scene.link_seen_by(track).name.clone());
+            (of.event, of.time_s, body, of.score)
+        });
+        Ok(each.collect())
+    }
+
+    /// Estimates the motion without the interpreter; what a signal or `told` raises ends it.
     fn estimate(
         &self,
         py: Python<'_>,
         is_free_auto: bool,
         is_diagnosing: bool,
         deadline_s: Option<f64>,
+        told: Option<Py<PyAny>>,
     ) -> PyResult<Estimate> {
-        let mut watch = Watch::begin(limit(deadline_s));
+        let mut watch = Watch::begin(limit(deadline_s)).telling(told);
         let estimated = py.detach(|| self.of.estimate(is_free_auto, is_diagnosing, &mut watch));
         if let Some(raised) = watch.raised.take() {
             return Err(raised);
@@ -139,6 +164,22 @@ impl Take {
             Ok(estimated) => Ok(Estimate::new(self.of.clone(), estimated, watch)),
             Err(error) => Err(errors::of_any(py, &error)),
         }
+    }
+}
+
+/// A keyframe of a body: its time is within so many seconds of what was written, of which infinity is no bound.
+fn keyframe(sample: PoseSample, within_s: f64) -> PoseSample {
+    let within_ns = within_s.is_finite().then_some((within_s * 1e9).round() as i64);
+    // No time is before zero.
+    let before_ns = within_ns.map(|of| of.min(sample.stamp.0));
+    let open = OpenTime {
+        before_ns,
+        after_ns: within_ns,
+    };
+    PoseSample {
+        from: SampleSource::Keyframe,
+        open: (within_s > 0.0).then_some(open),
+        ..sample
     }
 }
 

@@ -17,10 +17,12 @@ pub fn limit(deadline_s: Option<f64>) -> Option<Duration> {
 pub struct Watch {
     deadline: Option<Instant>,
     looked: Instant,
-    /// Whether the deadline ended it.
+    /// Whether the deadline, or whoever is told, ended it.
     pub is_late: bool,
-    /// What a signal raised: `KeyboardInterrupt`.
+    /// What a signal raised, `KeyboardInterrupt`, or whoever is told.
     pub raised: Option<PyErr>,
+    /// Who is told the phase now and then, and says whether to stop.
+    told: Option<Py<PyAny>>,
     /// What goes on, since when.
     phase: (Phase, Instant),
     /// How long each phase took in all, in the order in which they first began.
@@ -36,9 +38,29 @@ impl Watch {
             looked: now,
             is_late: false,
             raised: None,
+            told: None,
             phase: (Phase::Done, now),
             spent: Vec::new(),
         }
+    }
+}
+
+impl Watch {
+    /// The same that tells somebody.
+    pub fn telling(self, told: Option<Py<PyAny>>) -> Self {
+        Self { told, ..self }
+    }
+
+    /// Tells the phase; whether that is to stop the run.
+    fn tell(&self) -> PyResult<bool> {
+        Python::attach(|py| {
+            // In other threads than the first there are none.
+            py.check_signals()?;
+            match &self.told {
+                Some(told) => told.call1(py, (self.phase.0.as_str(),))?.is_truthy(py),
+                None => Ok(false),
+            }
+        })
     }
 }
 
@@ -59,8 +81,10 @@ impl Observer for Watch {
         let now = Instant::now();
         self.is_late |= self.deadline.is_some_and(|deadline| now >= deadline);
         if self.raised.is_none() && now - self.looked >= BETWEEN {
-            // In other threads than the first there are none.
-            self.raised = Python::attach(|py| py.check_signals()).err();
+            match self.tell() {
+                Ok(is_stopped) => self.is_late |= is_stopped,
+                Err(raised) => self.raised = Some(raised),
+            }
             self.looked = Instant::now();
         }
         self.is_late || self.raised.is_some()

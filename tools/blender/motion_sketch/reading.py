@@ -1,0 +1,330 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is in the scene becomes a scene file, poses and marks: plain data, which no undo takes away."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from . import acted, goals, markers, poses, things, toml_text
+from .refusal import Refused
+from .units import Units
+
+#: Samples a second that an action is read with, about.
+RATE_HZ = 120.0
+#: Farthest that a hand is taken to stray, of the extent of a motion; and its bounds in millimetres.
+STRAYS, STRAYS_MM = 0.02, (2.0, 200.0)
+#: Most samples of one body.
+SAMPLES = 100_000
+#: Restitution and friction of what Rigid Body says nothing of.
+UNSET = 0.0
+
+
+@dataclass
+class Named:
+    """A body of which only the name is known."""
+
+    name: str
+    thing: object
+    held: bool = False
+
+
+@dataclass
+class Reading:
+    """All that an estimate is made of."""
+
+    units: Units
+    #: The scene without its goals, and these.
+    text: str
+    goals: list
+    #: Poses of each body by name: seconds, metres, quaternions w x y z; whether they are held.
+    poses: dict
+    #: None of samples; else how far keys may be from their times, seconds.
+    keys_within: float | None
+    marks: list
+    #: Names of events and the frames of their markers.
+    events: dict
+    flying: list
+    #: Other faces that a goal may show in the end, by the place of that goal in the list.
+    faces: dict = field(default_factory=dict)
+    #: What to know of it.
+    notes: list = field(default_factory=list)
+
+    def is_same_but_goals(self, other):
+        """Whether all but the goals is the same."""
+        return (
+            other is not None
+            and self.text == other.text
+            and self.units == other.units
+            and self.marks == other.marks
+            and self.keys_within == other.keys_within
+            and self.poses.keys() == other.poses.keys()
+            and all(np.array_equal(a, b) for name in self.poses for a, b in zip(self.poses[name], other.poses[name]))
+        )
+
+
+def bodies_wanted(scene, selected, active):
+    """The objects to be made physical: of those selected the active rigid bodies, or all of the scene that are animated."""
+    # Who selects a ghost means its object.
+    meant = {of.motion_sketch.acts or of for of in selected}
+    chosen = [of for of in meant if of.rigid_body and of.rigid_body.type == "ACTIVE"]
+    if not chosen and active in selected and active.type == "MESH" and not goals.is_goal(active) and not active.rigid_body:
+        chosen = [active]
+    if not chosen:
+        every = things.rigid_things(scene)
+        chosen = [of for of in every if of.rigid_body.type == "ACTIVE" and of.animation_data and of.animation_data.action]
+    if not chosen:
+        raise Refused(scene.name, "nothing to make physical, expected an animated object with an active Rigid Body: Make Body")
+    return sorted(chosen, key=lambda of: of.name)
+
+
+def read(scene, chosen, is_live=False):
+    """Reads objects, what stands around them, markers and goals; refuses by name what cannot be read.
+
+    `is_live`: whether something is being dragged, when the scene may not go to other frames.
+    """
+    settings = scene.motion_sketch
+    for thing in chosen:
+        things.check_body(thing)
+    names = [of.name for of in chosen]
+    things.check_joints(scene, set(chosen))
+    sources = {of.name: acted.source(of) for of in chosen}
+    for name, (_, action) in sources.items():
+        if action is None:
+            raise Refused(name, "has no action, expected keys of place and rotation: act it first")
+    for thing in chosen:
+        check_alone(thing)
+    moved = {name: poses.moved(scene, holder) for name, (holder, _) in sources.items()}
+    for name, of in moved.items():
+        if is_live and isinstance(of, poses.Stepped):
+            raise Refused(name, "its parent is moved by more than curves, which is not followed live: Make Physical does")
+        if not of.own.is_moving:
+            raise Refused(name, "its action moves it nowhere, expected keys of place and rotation")
+    first, last = interval(settings, moved)
+    units = Units.of(scene, first)
+    found = markers.marked(scene, {name: action for name, (_, action) in sources.items()}, first, last)
+    last = min(last, next(of.frame for of in found if of.kind == "end"))
+    frames = frames_between(first, last, units)
+    bodies = [flying(of, sources[of.name][0], moved[of.name], frames, units, settings) for of in chosen]
+    stands = around(scene, chosen, bodies, frames, units)
+    bodies += [of for of in stands if isinstance(of, things.Body)]
+    stands = [of for of in stands if isinstance(of, things.Standing)]
+    asked = goals.of_scene(scene)
+    tables, faces = goals_of(asked, bodies, found, units)
+    events = [event(of, bodies, stands, moved, frames) for of in found]
+    free_end(events, tables, settings, units)
+    table = {
+        "name": ", ".join(names),
+        **({"settle_s": settings.settle_s} if settings.settle_s > 0 or faces else {}),
+        "gravity_m_s2": gravity(scene, units),
+        "timing": timing(settings, units),
+        "weights": {"position_mm": strays(settings, bodies)},
+        "body": [of.table for of in bodies],
+        "surface": [of.table for of in stands if of.is_flat],
+        "obstacle": [of.table for of in stands if not of.is_flat],
+        "event": events,
+        "free": [{"quantity": of} for of in settings.free.split("|") if of],
+    }
+    if faces and settings.settle_s <= 0:
+        table["settle_s"] = 5.0
+    table = {key: of for key, of in table.items() if of != []}
+    return Reading(
+        units=units,
+        text=toml_text.text(table),
+        goals=tables,
+        poses={of.name: (seconds(of.frames, units), of.position, of.quaternion, np.array(of.held)) for of in bodies},
+        keys_within=keys_within(settings, units),
+        marks=[(of.event, units.seconds(of.frame)) for of in found],
+        events={of.event: of.frame for of in found},
+        flying=names,
+        faces=faces,
+        notes=notes(scene, units),
+    )
+
+
+def interval(settings, moved):
+    """The first frame and the last."""
+    keyed = [of.own.frames() for of in moved.values()]
+    first, last = max(of[0] for of in keyed), min(of[-1] for of in keyed)
+    if settings.use_interval:
+        first, last = max(first, float(settings.first)), min(last, float(settings.last))
+    if last - first < 1:
+        raise Refused(", ".join(moved), f"keys from frame {first:g} to {last:g}, expected an interval of more than a frame")
+    return first, last
+
+
+def frames_between(first, last, units):
+    """Frames, with parts of them, evenly spread from the first to the last."""
+    count = max(8, round((last - first) / units.fps * RATE_HZ))
+    if count > SAMPLES:
+        raise Refused("interval", f"{count} samples, expected {SAMPLES} at most: set First and Last")
+    return [float(of) for of in np.linspace(first, last, count + 1)]
+
+
+def seconds(frames, units):
+    return np.array([units.seconds(of) for of in frames])
+
+
+def check_alone(thing):
+    """Refuses by name where more than an action would move the result."""
+    by = poses.moved_by_more(thing)
+    if by is not None:
+        raise Refused(thing.name, f"{by} moves it too, expected its action alone: mute it, or bake it (Object > Animation)")
+
+
+def flying(thing, source, moved, frames, units, settings):
+    """A body with its samples, or its keys alone."""
+    if settings.reads == "KEYS":
+        keyed = [of for of in moved.own.frames() if frames[0] <= of <= frames[-1]]
+        if len(keyed) < 2:
+            raise Refused(thing.name, f"{len(keyed)} keys in the interval, expected two at least")
+        frames = [float(of) for of in keyed]
+    scale = one_scale(thing.name, moved, frames)
+    of = things.body(thing, source, units, scale)
+    sample(of, moved, frames, units)
+    return of
+
+
+def one_scale(name, moved, frames):
+    """The scale of an object, which must stay the same."""
+    if isinstance(moved, poses.Stepped):
+        moved.look(frames)
+    scales = [poses.rigid(name, moved.world(frame))[2] for frame in (frames[0], frames[len(frames) // 2], frames[-1])]
+    if max(scales) - min(scales) > poses.NEARLY * max(scales):
+        raise Refused(name, f"its scale goes from {min(scales):g} to {max(scales):g}, expected one that stays: remove its keys")
+    return 1.0 if abs(scales[0] - 1) < poses.NEARLY else scales[0]
+
+
+def sample(body, moved, frames, units):
+    """Reads where a body is at frames."""
+    rows = [moved.world(frame).decompose()[:2] for frame in frames]
+    body.frames = frames
+    body.position = units.metre * np.array([place[:] for place, _ in rows])
+    body.quaternion = np.array([turn[:] for _, turn in rows])
+
+
+def around(scene, chosen, bodies, frames, units):
+    """What the bodies may touch: everything passive of the physics, still or animated."""
+    ways = np.concatenate([of.position for of in bodies])
+    reach = max(things.reach_m(of.thing, units, 1.0) for of in bodies)
+    found = []
+    for thing in sorted(things.rigid_things(scene), key=lambda of: of.name):
+        if thing in chosen or thing.rigid_body.type != "PASSIVE":
+            continue
+        moved = poses.moved(scene, thing)
+        if isinstance(moved, poses.Stepped):
+            moved.look(frames)
+        if things.is_animated(moved, frames):
+            of = things.held(thing, units, one_scale(thing.name, moved, frames))
+            sample(of, moved, frames, units)
+            found.append(of)
+        else:
+            found.append(things.standing(thing, moved.world(frames[0]), units, ways, reach))
+    return found
+
+
+def goals_of(asked, bodies, found, units):
+    """The tables of all goals, and other faces by their places."""
+    tables, faces = [], {}
+    others = goals.other_faces(asked)
+    for thing in asked:
+        if others.get(thing.name):
+            faces[len(tables)] = others[thing.name]
+        elif thing.name in others:
+            faces.setdefault(len(tables), [])
+        tables += goals.tables(thing, bodies, found, units)
+    return tables, faces
+
+
+def event(of, bodies, stands, moved, frames):
+    """What a scene says of a marker: whom it is of, and what is nearest then."""
+    if of.kind not in ("bounce", "through"):
+        return markers.table(of, None, None, None, {})
+    flies = [each for each in bodies if not each.held]
+    named = [each for each in flies if each.name in of.names]
+    body = named[0] if named else flies[0] if len(flies) == 1 else None
+    where = f"marker {of.kind!r} at frame {of.frame:g}"
+    if body is None:
+        raise Refused(where, f"of which of {', '.join(each.name for each in flies)}? expected a name, as in '{of.kind}: {flies[0].name}'")
+    known = {each.name: each for each in (*bodies, *stands)}
+    unknown = [name for name in of.names if name not in known]
+    if unknown:
+        raise Refused(where, f"names {unknown[0]!r}, expected a rigid body of the scene: {', '.join(known)}")
+    if of.kind == "through":
+        return markers.table(of, body.name, None, None, {})
+    other = next((known[name] for name in of.names if name != body.name), None)
+    other = other or nearest(of.frame, body, [*(each for each in bodies if each is not body), *stands], moved)
+    if other is None:
+        raise Refused(where, "nothing is there to bounce off, expected a passive Rigid Body: Physics > Rigid Body > Passive")
+    is_body = isinstance(other, things.Body)
+    surface = None if is_body or not other.is_flat else flat_surface(other, stands)
+    return markers.table(of, body.name, other.name if is_body else None, surface, contact(body, other))
+
+
+def flat_surface(of, stands):
+    """A surface by name where no edge of it may be meant."""
+    return None if "size_mm" in of.table else of.name
+
+
+def nearest(frame, body, others, moved):
+    """What is nearest to a body at a frame, by their meshes."""
+    if len(others) < 2:
+        return others[0] if others else None
+    own, world = things.Near(body.thing), moved[body.name].world(frame)
+
+    def away(other):
+        at = moved[other.name].world(frame) if other.name in moved else other.thing.matrix_world
+        return own.distance(things.Near(other.thing), world.inverted() @ at)
+
+    return min(others, key=away)
+
+
+def contact(body, other):
+    """How two things bounce: as Rigid Body multiplies them; what a surface leaves at zero is not told by it."""
+    a, b = body.thing.rigid_body, other.thing.rigid_body
+    of = {name: x * (1.0 if y == UNSET else y) for name, x, y in (
+        ("restitution", a.restitution, b.restitution), ("friction", a.friction, b.friction))}
+    return {name: round(min(value, 1.0) if name == "restitution" else value, 7) for name, value in of.items()}
+
+
+def free_end(events, tables, settings, units):
+    """The end may move where a goal holds there and times may."""
+    end = next(of for of in events if of["kind"] == "end")
+    if settings.timing == "WITHIN" and any(of["event"] == end["name"] for of in tables):
+        within_ms = 1e3 * settings.within_frames / units.fps
+        end |= {"time": "free", "earliest_ms": -within_ms, "latest_ms": within_ms}
+
+
+def timing(settings, units):
+    """What the times of keys mean; a marker is on a whole frame."""
+    stamps = "tempo" if settings.timing == "TEMPO" else "physical"
+    frames = max(settings.within_frames, 0.5) if settings.timing == "WITHIN" else 0.5
+    of = {"stamps": stamps}
+    return of if stamps == "tempo" else of | {"mark_sd_ms": max(4.2, 1e3 * frames / units.fps)}
+
+
+def keys_within(settings, units):
+    """How far keys may be from their times; None of samples."""
+    if settings.reads != "KEYS":
+        return None
+    return settings.within_frames / units.fps if settings.timing == "WITHIN" else 0.0
+
+
+def strays(settings, bodies):
+    """How far the acting is from what was meant, millimetres."""
+    if settings.strays_mm > 0:
+        return settings.strays_mm
+    extent_mm = 1e3 * max(float(np.ptp(of.position, axis=0).max()) for of in bodies if not of.held)
+    return round(float(np.clip(STRAYS * extent_mm, *STRAYS_MM)), 3)
+
+
+def gravity(scene, units):
+    """Metres per second squared."""
+    return [units.metre * of for of in scene.gravity] if scene.use_gravity else [0.0, 0.0, 0.0]
+
+
+def notes(scene, units):
+    """What looks like a mistake of the scene."""
+    size = np.linalg.norm(gravity(scene, units))
+    if scene.use_gravity and not 9.0 < size < 10.5:
+        return [f"gravity is {size:.3g} m/s²: Scene > Gravity, and Units > Unit Scale"]
+    return []
