@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Make Physical: a new action on the frames and at impacts, what was acted on a ghost, and what it says."""
+
+import bpy
+import numpy as np
+import pytest
+import stage
+from mathutils import Matrix
+
+RADIUS = 0.1
+
+
+def made(**how):
+    thing, table, hit, last = stage.tossed_ball(**how)
+    stage.select(thing)
+    before = thing.animation_data.action
+    assert bpy.ops.motion_sketch.make_physical() == {"FINISHED"}
+    return thing, before, hit, last
+
+
+def flies(frames, places, fps, gravity=stage.G):
+    """Whether places on frames are a flight: second differences are those of gravity."""
+    second = np.diff(places, n=2, axis=0) * fps**2
+    assert np.allclose(np.diff(frames), 1, atol=1e-5)
+    return np.abs(second - [0, 0, -gravity]).max()
+
+
+@pytest.mark.parametrize("fps", [24, 30, 60])
+@pytest.mark.parametrize("first", [1, 101, -20])
+def test_keys_are_on_frames_and_at_the_impact(fps, first):
+    thing, before, hit, last = made(fps=fps, first=first, strays=0.02)
+    frames, rows = stage.keys(thing)
+    whole = np.abs(frames - np.round(frames)) < 1e-4
+    exact = frames[~whole]
+    bounce = next(of for of in thing.animation_data.action["motion_sketch_events"] if of["kind"] == "collision")
+    assert min(abs(exact - bounce["frame"])) < 1e-3, "the impact has a key of its own"
+    assert abs(bounce["frame"] - hit) < 0.35
+    assert set(np.arange(np.ceil(frames[0]), np.floor(frames[-1]) + 1)) <= set(np.round(frames[whole]))
+    for before_hit in (True, False):
+        of = whole & ((frames < bounce["frame"] - 1e-3) if before_hit else (frames > bounce["frame"] + 1e-3))
+        # Keys are of single precision.
+        assert flies(frames[of], rows[of, :3], fps) < 2e-6 * fps**2 + 1e-3
+    at = rows[np.argmin(abs(frames - bounce["frame"])), :3]
+    assert abs(at[2] - RADIUS) < 1e-5, "it touches the table there"
+
+
+def test_keys_are_linear_and_quaternions_have_one_sign():
+    thing, *_ = made(strays=0.02)
+    assert thing.rotation_mode == "QUATERNION"
+    for curve in stage.curves(thing).values():
+        assert all(point.interpolation == "LINEAR" for point in curve.keyframe_points) and not len(curve.modifiers)
+    _, rows = stage.keys(thing)
+    turns = rows[:, 3:]
+    assert np.allclose(np.linalg.norm(turns, axis=1), 1, atol=1e-6)
+    assert ((turns[1:] * turns[:-1]).sum(axis=1) > 0).all()
+
+
+def test_what_was_acted_stays_on_a_ghost():
+    thing, before, hit, last = made(strays=0.02)
+    ghost = thing.motion_sketch.ghost
+    assert thing.animation_data.action != before and ghost.animation_data.action == before
+    assert ghost.data == thing.data and ghost.hide_render and ghost.motion_sketch.acts == thing
+    assert ghost.name not in bpy.context.scene.rigidbody_world.collection.objects
+    fresh, *_ = stage.tossed_ball(strays=0.02)
+    for frame in (1.0, 5.5, 12.25):
+        assert max(abs(a - b) for a, b in zip(sum(map(tuple, stage.world(ghost, frame)), ()), sum(map(tuple, stage.world(fresh, frame)), ()))) < 1e-6
+
+
+def test_again_reads_what_was_acted_and_leaves_one_action():
+    thing, before, *_ = made(strays=0.02)
+    first = stage.keys(thing)[1]
+    actions, things = len(bpy.data.actions), len(bpy.data.objects)
+    stage.select(thing)
+    for of in (thing, thing.motion_sketch.ghost):
+        stage.select(of)
+        assert bpy.ops.motion_sketch.make_physical() == {"FINISHED"}
+        assert np.array_equal(stage.keys(thing)[1], first), "the same again, to the bit"
+    assert (len(bpy.data.actions), len(bpy.data.objects)) == (actions, things)
+    assert thing.animation_data.action.name == "Ball physical"
+
+
+def test_it_says_what_it_is(parts):
+    made(strays=0.01)
+    said = parts.account.kept(bpy.context.scene)
+    assert said["verdict"] == "physical" and said["fit"] == "yes", said
+    bounce = said["events"][0]
+    assert bounce["event"] == "bounce" and 0 < bounce["sd_frames"] < 1
+    assert "Table" in bounce["contact"]
+    bpy.ops.motion_sketch.jump(frame=bounce["frame"])
+    scene = bpy.context.scene
+    assert scene.frame_current + scene.frame_subframe == pytest.approx(bounce["frame"], abs=1e-4)
+    assert any(line.startswith("next:") for line in parts.account.lines(said))
+
+
+def test_contact_speeds_are_with_the_action():
+    thing, *_ = made()
+    action = thing.animation_data.action
+    bounce = next(of for of in action["motion_sketch_events"] if of["event"] == "bounce")
+    fell = np.sqrt(2 * stage.G * (1.0 - RADIUS))
+    assert bounce["approach_m_s"] == pytest.approx(fell, rel=0.02) and bounce["impulse_n_s"] > 0
+    assert bounce["point"][2] == pytest.approx(0, abs=1e-5)
+    assert [of.name for of in action.pose_markers] == [of["event"] for of in action["motion_sketch_events"]]
+
+
+def test_restitution_and_friction_multiply_as_in_the_physics(parts):
+    thing, table, *_ = stage.tossed_ball()
+    thing.rigid_body.restitution, table.rigid_body.restitution = 0.8, 0.5
+    thing.rigid_body.friction, table.rigid_body.friction = 0.5, 0.4
+    contact = parts.reading.contact(*(type("T", (), {"thing": of}) for of in (thing, table)))
+    assert contact == {"restitution": 0.4, "friction": 0.2}
+    table.rigid_body.restitution = 0.0
+    assert parts.reading.contact(*(type("T", (), {"thing": of}) for of in (thing, table)))["restitution"] == 0.8
+
+
+@pytest.mark.parametrize("metre", [1.0, 0.01])
+def test_units_of_the_scene_are_heeded(metre):
+    scene = bpy.context.scene
+    scene.unit_settings.system, scene.unit_settings.scale_length = "METRIC", metre
+    scene.gravity = (0, 0, -stage.G / metre)
+    thing, *_ = made(unit=metre)
+    frames, rows = stage.keys(thing)
+    bounce = next(of for of in thing.animation_data.action["motion_sketch_events"] if of["kind"] == "collision")
+    at = rows[np.argmin(abs(frames - bounce["frame"])), 2]
+    assert at * metre == pytest.approx(RADIUS, abs=1e-5)
+    assert bounce["point"][0] == pytest.approx(rows[np.argmin(abs(frames - bounce["frame"])), 0], rel=1e-3)
+
+
+def test_parents_that_are_turned_scaled_and_moving_are_heeded():
+    thing, table, *_ = stage.tossed_ball()
+    stage.select(thing)
+    bpy.ops.motion_sketch.make_physical()
+    plain = [stage.world(thing, frame) for frame in range(1, 20)]
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+
+    thing, table, *_ = stage.tossed_ball()
+    parent = bpy.data.objects.new("Parent", None)
+    bpy.context.scene.collection.objects.link(parent)
+    stage.key(parent, 1, (0.3, 0.2, 0.1))
+    stage.key(parent, 20, (1.3, -0.2, 0.5))
+    parent.rotation_euler, parent.scale = (0.3, 0.5, 1.0), (2, 2, 2)
+    bpy.context.view_layer.update()
+    # The same motion in the world, in the parent's space.
+    frames, rows = stage.keys(thing)
+    worlds = [stage.world(thing, frame) for frame in frames]
+    action = thing.animation_data.action
+    thing.animation_data_clear()
+    bpy.data.actions.remove(action)
+    thing.parent = parent
+    thing.matrix_parent_inverse = Matrix.Scale(0.5, 4) @ Matrix.Rotation(0.4, 4, "X")
+    for frame, of in zip(frames, worlds):
+        local = (stage.world(parent, frame) @ thing.matrix_parent_inverse).inverted() @ of
+        place, turn, _ = local.decompose()
+        stage.key(thing, frame, place, turn)
+    thing.scale = (1, 1, 1)
+    stage.select(thing)
+    assert bpy.ops.motion_sketch.make_physical() == {"FINISHED"}
+    for frame, of in zip(range(1, 20), plain):
+        away = (stage.world(thing, frame).translation - of.translation).length
+        assert away < 2e-4, (frame, away)
+
+
+def test_a_parent_with_a_constraint_is_read_frame_by_frame():
+    thing, table, *_ = stage.tossed_ball()
+    target = bpy.data.objects.new("Target", None)
+    parent = bpy.data.objects.new("Parent", None)
+    for of in (target, parent):
+        bpy.context.scene.collection.objects.link(of)
+    parent.constraints.new("COPY_LOCATION").target = target
+    target.location = (5, 0, 0)
+    thing.parent = parent
+    thing.matrix_parent_inverse = Matrix.Translation((-5, 0, 0))
+    bpy.context.scene.frame_set(7)
+    stage.select(thing)
+    assert bpy.ops.motion_sketch.make_physical() == {"FINISHED"}
+    assert bpy.context.scene.frame_current == 7
+    bounce = next(of for of in thing.animation_data.action["motion_sketch_events"] if of["kind"] == "collision")
+    assert stage.world(thing, bounce["frame"]).translation.z == pytest.approx(RADIUS, abs=1e-4)
+
+
+def test_curves_and_frames_say_the_same(parts):
+    thing, *_ = stage.tossed_ball(strays=0.02)
+    thing.rotation_mode = "QUATERNION"
+    moved, stepped = parts.poses.Moved(thing), parts.poses.Stepped(bpy.context.scene, thing)
+    for frame in (1.0, 3.3, 9.75):
+        a, b, c = moved.world(frame), stage.world(thing, frame), None
+        assert max(abs(x - y) for row, other in zip(a, b) for x, y in zip(row, other)) < 1e-6
+    assert stepped.own.frames() == moved.own.frames()
+
+
+@pytest.mark.parametrize("mode", ["XYZ", "ZYX", "QUATERNION", "AXIS_ANGLE"])
+def test_every_rotation_mode_is_read(parts, mode):
+    thing = stage.box("Box", 0.1, 0.2, 0.3)
+    thing.rotation_mode = mode
+    path = {"QUATERNION": "rotation_quaternion", "AXIS_ANGLE": "rotation_axis_angle"}.get(mode, "rotation_euler")
+    for frame, values in ((1, (0.9, 0.1, 0.2, 0.3)), (10, (0.7, 0.5, -0.4, 0.1))):
+        setattr(thing, path, values[: len(getattr(thing, path))])
+        thing.keyframe_insert(path, frame=frame)
+    moved = parts.poses.Moved(thing)
+    for frame in (1, 4.5, 10):
+        a, b = moved.world(frame), stage.world(thing, frame)
+        assert max(abs(x - y) for row, other in zip(a, b) for x, y in zip(row, other)) < 1e-6
+
+
+def test_an_interval_alone_is_read():
+    thing, table, hit, last = stage.tossed_ball(first=1)
+    settings = bpy.context.scene.motion_sketch
+    settings.use_interval, settings.first, settings.last = True, 3, int(last) - 2
+    stage.select(thing)
+    assert bpy.ops.motion_sketch.make_physical() == {"FINISHED"}
+    frames, _ = stage.keys(thing)
+    assert frames[0] == pytest.approx(3, abs=1e-3) and frames[-1] == pytest.approx(int(last) - 2, abs=1e-3)
+
+
+def test_back_to_acted(parts):
+    thing, before, *_ = made(strays=0.01)
+    stage.select(thing)
+    assert bpy.ops.motion_sketch.restore() == {"FINISHED"}
+    assert thing.animation_data.action == before and thing.motion_sketch.ghost is None
+    assert "Ball acted" not in bpy.data.objects and "Ball physical" not in bpy.data.actions
+
+
+def test_loops_repeat_the_motion():
+    scene = bpy.context.scene
+    scene.motion_sketch.loops = 3
+    thing, before, hit, last = made()
+    frames, rows = stage.keys(thing)
+    length = (frames[-1] - frames[0]) / 3
+    assert length == pytest.approx(last - 1, abs=0.05)
+    assert scene.frame_end >= frames[-1] - 1
+
+
+def test_it_is_written_though_the_physics_would_move_it():
+    thing, *_ = stage.tossed_ball()
+    thing.rigid_body.kinematic = False
+    stage.select(thing)
+    assert bpy.ops.motion_sketch.make_physical() == {"FINISHED"}
+    assert thing.rigid_body.kinematic
+    frames, rows = stage.keys(thing)
+    assert (stage.world(thing, 5).translation - stage.Vector(rows[np.argmin(abs(frames - 5)), :3])).length < 1e-5
