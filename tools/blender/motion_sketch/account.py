@@ -7,7 +7,7 @@ from . import motion
 
 VERDICTS = {
     "physical": "physical",
-    "plausible": "plausible: velocities jump where goals leave no other way",
+    "plausible": "plausible, not quite physical",
     "failed": "failed: no motion was found",
 }
 FITS = {"yes": "it explains what was acted", "no": "it does not explain what was acted", "unknown": "whether it explains what was acted is not known"}
@@ -60,8 +60,10 @@ def next_of(estimate, report):
         return "Move the marker to the impact, remove a goal, or let the tempo be unknown"
     if rest and not rest["reached"]:
         return "Let the labels be free, ask for other faces, or act another throw"
-    if estimate.verdict == "plausible":
+    if estimate.verdict == "plausible" and report["goals"]:
         return "Give a goal room (Within), make it a wish, or set the bounciness free"
+    if estimate.verdict == "plausible":
+        return "Look at what speaks against it; where times were acted, let the tempo be unknown"
     if report["suspects"] and estimate.fit == "no":
         return "Set free what is suspected, or look at what speaks against it"
     if estimate.against:

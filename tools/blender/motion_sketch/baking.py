@@ -68,8 +68,16 @@ def keep_acted(scene, thing):
         ghost.motion_sketch.acts = thing
         ghost.motion_sketch.made = ghost.motion_sketch.acted = ghost.motion_sketch.ghost = None
         folder(scene).objects.link(ghost)
+        leave_physics(ghost)
         look_like_ghost(ghost)
     settings.ghost, settings.acted = ghost, action
+
+
+def leave_physics(ghost):
+    """A copy of a rigid body is one, too, and would be simulated."""
+    if ghost.rigid_body is not None:
+        with bpy.context.temp_override(object=ghost, active_object=ghost, selected_objects=[ghost]):
+            bpy.ops.rigidbody.object_remove()
 
 
 def look_like_ghost(ghost):
