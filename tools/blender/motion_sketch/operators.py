@@ -5,7 +5,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
-from . import account, acted, baking, goals, handlers, live, proposing, reading, solving, working
+from . import account, acted, baking, goals, handlers, live, markers, proposing, reading, solving, working
 from .properties import GOALS
 from .refusal import Refused
 
@@ -134,11 +134,17 @@ class Propose(Says, bpy.types.Operator):
 
     def do(self, context):
         found = proposing.proposed(read(context))
-        known = {(of.name, of.frame) for of in context.scene.timeline_markers}
-        added = [of for of in found if of not in known]
+        known = live.marks_of(context.scene)
+        added = [of for of in found if not any(is_same(of, each) for each in known)]
         for name, frame in added:
             context.scene.timeline_markers.new(name, frame=frame)
         self.report({"INFO"}, f"{len(added)} markers: " + ", ".join(f"{name} {frame}" for name, frame in added))
+
+
+def is_same(one, other):
+    """Whether two markers mean the same: the same word, and at most two frames apart; there is one end."""
+    word = one[0].split(":")[0]
+    return word == markers.kind_of(other[0])[0] and (word == "end" or abs(one[1] - other[1]) <= 2)
 
 
 class AddGoal(Says, bpy.types.Operator):

@@ -58,7 +58,7 @@ def solve(reading, before=None, *, quick=False, told=None, deadline=None):
     """
     try:
         if before is not None and quick and can_go_on(reading, before):
-            found = before.estimate.update(goals=reading.goals, sd=False, told=told, deadline=deadline)
+            found = before.estimate.update(goals=reading.goals, sd=False, told=told, deadline=deadline, chained=False)
         else:
             found = take_of(reading).estimate(diagnose=not quick, told=told, deadline=deadline)
             found = best_face(reading, found, quick, told)

@@ -153,6 +153,7 @@ def keys(thing):
 def snapshot():
     """All that a refusal must not change."""
     scene = bpy.context.scene
+    scene.frame_set(scene.frame_current)
     return (
         sorted((of.name, tuple(tuple(row) for row in of.matrix_basis), of.rotation_mode,
                 of.animation_data.action.name if of.animation_data and of.animation_data.action else None)

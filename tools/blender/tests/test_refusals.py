@@ -20,6 +20,7 @@ def passive():
 
 def without_body():
     thing, *_ = stage.tossed_ball()
+    stage.select(thing)
     bpy.ops.rigidbody.object_remove()
     return thing, "Ball: has no Rigid Body"
 
@@ -152,20 +153,20 @@ def still():
     return thing, "Ball: its action moves it nowhere"
 
 
-def no_motion():
-    """A goal that no motion meets: the bounce at another place than the table."""
+def two_places():
+    """Goals that contradict each other."""
     thing, *_ = stage.tossed_ball()
-    stage.select(thing)
-    bpy.ops.motion_sketch.add_goal(goal="POSE", event="bounce")
-    goal = bpy.data.objects["Ball pose"]
-    goal.location = (0, 0, 3.0)
+    for place in (0.3, 0.6):
+        stage.select(thing)
+        bpy.ops.motion_sketch.add_goal(goal="POSE")
+        bpy.context.scene.objects[-1].location = (0.5, 0.5, place)
     bpy.context.view_layer.update()
-    return thing, ""
+    return thing, "scene: "
 
 
 CASES = [scaled, passive, without_body, without_action, constraint, driver, nla, joint, compound, deltas, uneven_parent,
          nothing_to_hit, two_ends, bounce_after_end, unknown_name, goal_without_event, goal_without_faces, goal_of_nothing, flat_body,
-         short, still, no_motion]
+         short, still, two_places]
 
 
 @pytest.mark.parametrize("case", CASES, ids=[of.__name__ for of in CASES])
@@ -174,7 +175,7 @@ def test_it_is_refused_by_name_and_nothing_changes(case):
     stage.select(thing)
     before = stage.snapshot()
     for operator in (bpy.ops.motion_sketch.make_physical, bpy.ops.motion_sketch.live):
-        if case is no_motion and operator is bpy.ops.motion_sketch.live:
+        if case is two_places and operator is bpy.ops.motion_sketch.live:
             continue
         with pytest.raises(RuntimeError) as raised:
             operator()
@@ -229,3 +230,17 @@ def test_a_ghost_that_somebody_deleted():
     with pytest.raises(RuntimeError, match="Ball: its ghost is gone, expected the action 'BallAction' on it"):
         bpy.ops.motion_sketch.make_physical()
     assert stage.snapshot() == before
+
+
+def test_a_motion_that_failed_is_said_and_not_written(parts, monkeypatch):
+    """Stopped at once there is no motion: the scene stays as it is, and the panel says why."""
+    thing, *_ = stage.tossed_ball(strays=0.02)
+    stage.select(thing)
+    before = stage.snapshot()
+    solve = parts.solving.solve
+    monkeypatch.setattr(parts.solving, "solve", lambda reading, **how: solve(reading, deadline=0.0))
+    with pytest.raises(RuntimeError, match="Move the marker to the impact"):
+        bpy.ops.motion_sketch.make_physical()
+    assert stage.snapshot() == before
+    said = parts.operators.said(bpy.context.scene)
+    assert said["verdict"] == "failed" and said["reason"]

@@ -228,6 +228,7 @@ class Estimate:
         sd: bool = True,
         deadline: float | None = None,
         told: Callable[[str], object] | None = None,
+        chained: bool = True,
     ) -> Estimate: ...
     def write(self, path: _Path) -> None: ...
 

@@ -321,14 +321,15 @@ class Estimate:
         chosen.flags.writeable = False
         return chosen
 
-    def update(self, *, goals, sd=True, deadline=None, told=None):
+    def update(self, *, goals, sd=True, deadline=None, told=None, chained=True):
         """The estimate of the same take with other goals, from this one on: the live path of an editor.
 
         ``goals``: a list of dicts with the keys of ``[[goal]]`` (``docs/goals.md``), in place of all of the scene's. ``sd``: whether
         standard deviations are told, which takes most of the time; without, nothing is said to be determined, and
         :meth:`covariance` tells them later. ``deadline``, ``told``: as for :meth:`Take.estimate`. The same optimum to the solver's tolerance, in a few steps, samples weighed as in this
         one; checked for gaps and overlaps, and not asked whether it fits. Where that leads nowhere (:attr:`is_warm`) it is estimated
-        anew. Raises :class:`SceneError` for a goal that is refused.
+        anew. ``chained``: whether it keeps this one, of which it can be made again once it was pickled; who updates without end and
+        pickles nothing says False. Raises :class:`SceneError` for a goal that is refused.
 
         >>> import enact_motion
         >>> estimate = enact_motion.read("recordings/pencil_tip.mcap").estimate()
@@ -346,7 +347,7 @@ class Estimate:
         core = self._take.scene._core.with_goals(json.dumps(list(goals), default=plain))
         free, diagnose, _ = self._options
         found = self._made().update(core, bool(sd), free, diagnose, _arrays.limit(deadline), told)
-        return Estimate._of(self._take._in_scene(core), (free, diagnose), found, base=(self, bool(sd)))
+        return Estimate._of(self._take._in_scene(core), (free, diagnose), found, base=(self if chained else None, bool(sd)))
 
     def write(self, path):
         """Writes the recording with the estimate beside it: byte for byte what ``enact replay`` writes.
@@ -388,6 +389,8 @@ class Estimate:
         return f"<Estimate of {self._of_report('scene')!r}: {self.verdict}, fits: {self.fit}>"
 
     def __reduce__(self):
+        if self._base is not None and self._base[0] is None:
+            raise TypeError("the estimate was updated with chained=False, expected True of one that is pickled")
         return _estimate, (self._take, self._options, self._words(), self._base)
 
 
