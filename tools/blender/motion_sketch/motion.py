@@ -46,6 +46,11 @@ def keys_of(solved, name):
     if not flown.all():
         after = between(later, place, turn, times[~flown])
         position, quaternion = np.vstack([position, after[0]]), np.vstack([quaternion, after[1]])
+    before = solved.reading.before.get(name)
+    if before is not None:
+        kept = np.array(before[0]) < frames[0] - SAME_FRAME
+        frames = np.concatenate([np.array(before[0])[kept], frames])
+        position, quaternion = np.vstack([before[1][kept], position]), np.vstack([before[2][kept], quaternion])
     return Keys(frames, position, one_sign(quaternion))
 
 

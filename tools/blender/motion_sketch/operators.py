@@ -269,7 +269,7 @@ class Live(Says, bpy.types.Operator):
             return
         context.view_layer.update()
         chosen = reading.bodies_wanted(context.scene, context.selected_objects, context.active_object)
-        reading.read(context.scene, chosen, is_live=True)
+        solving.recording(reading.read(context.scene, chosen, is_live=True))
         live.begin(context.scene, chosen)
         handlers.start_timer()
 

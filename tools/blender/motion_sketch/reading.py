@@ -46,6 +46,8 @@ class Reading:
     flying: list
     #: Other faces that a goal may show in the end, by the place of that goal in the list.
     faces: dict = field(default_factory=dict)
+    #: Poses on whole frames before a flight begins, as acted: frames, metres, quaternions, by name.
+    before: dict = field(default_factory=dict)
     #: What to know of it.
     notes: list = field(default_factory=list)
 
@@ -137,6 +139,7 @@ def read(scene, chosen, is_live=False):
         events={of.event: of.frame for of in found},
         flying=names,
         faces=faces,
+        before=before(found, bodies, moved, frames, units),
         notes=notes(scene, units),
     )
 
@@ -196,10 +199,14 @@ def one_scale(name, moved, frames):
 
 def sample(body, moved, frames, units):
     """Reads where a body is at frames."""
+    body.frames, body.position, body.quaternion = placed(moved, frames, units)
+
+
+def placed(moved, frames, units):
+    """Frames, places in metres and quaternions of something that moves."""
     rows = [moved.world(frame).decompose()[:2] for frame in frames]
-    body.frames = frames
-    body.position = units.metre * np.array([place[:] for place, _ in rows])
-    body.quaternion = np.array([turn[:] for _, turn in rows])
+    places = units.metre * np.array([place[:] for place, _ in rows])
+    return frames, places, np.array([turn[:] for _, turn in rows])
 
 
 def around(scene, chosen, bodies, frames, units):
@@ -233,6 +240,15 @@ def goals_of(asked, bodies, found, units):
             faces.setdefault(len(tables), [])
         tables += goals.tables(thing, bodies, found, units)
     return tables, faces
+
+
+def before(found, bodies, moved, frames, units):
+    """Where bodies are before they are let go: none where they fly from the first frame on."""
+    start = next((of.frame for of in found if of.kind == "start"), None)
+    if start is None:
+        return {}
+    held = [float(of) for of in range(int(np.ceil(frames[0])), int(np.ceil(start)))]
+    return {of.name: placed(moved[of.name], held, units) for of in bodies if not of.held and held}
 
 
 def event(of, bodies, stands, moved, frames):

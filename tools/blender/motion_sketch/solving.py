@@ -66,7 +66,7 @@ def solve(reading, before=None, *, quick=False, told=None, deadline=None):
         raise Refused("scene", said_of(error, reading)) from None
     except enact_motion.TakeError as error:
         raise Refused(", ".join(reading.flying), "; ".join([error.message, *error.diagnoses])) from None
-    return Solved(reading, found, zero_of(found, reading))
+    return Solved(reading, found, zero_of(found))
 
 
 def said_of(error, reading):
@@ -102,15 +102,10 @@ def rank(estimate, reading):
     return shows, ORDER[estimate.verdict], -sum(off)
 
 
-def zero_of(estimate, reading):
+def zero_of(estimate):
     """Physical time zero in seconds since the first sample: where the first sample that was used is."""
-    maps = [of for of in estimate.time_map.values() if len(of.acted)]
-    if not maps:
-        return 0.0
-    first = min(maps, key=lambda of: of.physical[0])
-    return float(first.acted[0] - first.physical[0])
-
-
+    zero = estimate.report["time_map"]["physical_zero"]
+    return zero["sec"] + 1e-9 * zero["nsec"]
 
 
 def recording(reading):

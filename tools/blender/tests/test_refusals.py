@@ -175,8 +175,6 @@ def test_it_is_refused_by_name_and_nothing_changes(case):
     stage.select(thing)
     before = stage.snapshot()
     for operator in (bpy.ops.motion_sketch.make_physical, bpy.ops.motion_sketch.live):
-        if case is two_places and operator is bpy.ops.motion_sketch.live:
-            continue
         with pytest.raises(RuntimeError) as raised:
             operator()
         assert words in str(raised.value), raised.value
