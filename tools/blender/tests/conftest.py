@@ -15,6 +15,7 @@ os.environ["BLENDER_USER_RESOURCES"] = HOME
 
 import bpy  # noqa: E402
 
+STATUS = pytest.StashKey[int]()
 MODULE = "bl_ext.user_default.motion_sketch"
 
 
@@ -55,7 +56,17 @@ def parts():
 
 
 def pytest_sessionfinish(session, exitstatus):
+    session.config.stash[STATUS] = int(exitstatus)
     shutil.rmtree(HOME, ignore_errors=True)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config):
+    if bpy.app.version < (4, 4):
+        # The module of 4.2 frees classes of panels when Python is gone already, whoever registered them, and crashes at exit.
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(config.stash.get(STATUS, 1))
 
 
 @pytest.fixture
