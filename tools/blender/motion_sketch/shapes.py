@@ -9,6 +9,7 @@ import bmesh
 import bpy
 import numpy as np
 
+from . import lathe
 from .refusal import Refused
 
 #: Most corners of a hull as it is; what has more is thinned as the program does it.
@@ -41,21 +42,43 @@ def box(points):
     return (low + high) / 2, high - low
 
 
+#: What was made of meshes lately, by all that it is made of: the same is asked for whenever something is dragged.
+_made = {}
+MADE = 64
+
+
 def shape_of(thing, scale_mm, mass_g):
     """What a scene says of an object's shape: the keys of a body, `shape` among them, with `mass_g`.
 
     `scale_mm`: millimetres of one unit of the mesh, of all axes or of each.
     """
-    kind = thing.rigid_body.collision_shape if thing.rigid_body else "CONVEX_HULL"
+    kind = thing.rigid_body.collision_shape
     if kind == "COMPOUND":
         raise Refused(thing.name, "collides as a compound, expected a shape of its own: Physics > Rigid Body > Collisions > Shape")
     points = points_mm(thing, scale_mm)
+    mesh = evaluated(thing)
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    of = (kind, mass_g, len(mesh.polygons), points.tobytes(), corners.tobytes())
+    if of not in _made:
+        if len(_made) >= MADE:
+            _made.clear()
+        _made[of] = made_of(thing, kind, points, scale_mm, mass_g)
+    return dict(_made[of])
+
+
+def made_of(thing, kind, points, scale_mm, mass_g):
+    """The same, made anew."""
     middle, sides = box(points)
     plain = {"mass_g": mass_g}
     if kind in ("BOX", "SPHERE", "CAPSULE", "CYLINDER", "CONE"):
         if min(sides) <= 0:
             raise Refused(thing.name, f"its mesh is flat, expected a solid to collide as a {kind.lower()}")
         return plain | {"shape": simple(kind, middle, sides, radius(points, middle))}
+    if kind == "MESH":
+        turned = lathe.revolution(points, [of.vertices[:] for of in evaluated(thing).polygons])
+        if turned is not None:
+            return plain | {"shape": turned}
     if kind == "CONVEX_HULL":
         corners = hull_of(thing, points)
         if len(corners) <= CORNERS:
