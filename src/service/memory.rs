@@ -13,7 +13,7 @@ use super::provenance::provenance;
 use super::refusal::Refusal;
 use crate::ingest::{Recording, SCENE_NAME, Take};
 use crate::motion::{Mark, Observer, PoseSample, SampleSource, Scene, TrackIndex};
-use crate::pipeline::{KeptMotion, MarkProposal, Outcome, Pipeline};
+use crate::pipeline::{KeptMotion, MarkProposal, Outcome, Pipeline, Preview};
 use crate::report::{Provenance, Reported};
 use crate::write::{DEFAULT_WORLD_FRAME, RecordingWriter};
 
@@ -115,6 +115,23 @@ impl TakeInMemory {
         let recording = || self.opened.recording.path().display().to_string();
         let (outcome, kept) = outcome.with_context(recording)?;
         Ok((EstimateInMemory { outcome, pipeline }, kept))
+    }
+
+    /// The motion as a preview has it: without the errors of a hand, unchecked but for overlaps, in a fraction of the time. Fails
+    /// where [`estimate`](Self::estimate) does, and for joined bodies.
+    pub fn preview(&self, observer: &mut dyn Observer) -> anyhow::Result<EstimateInMemory> {
+        let scene = self.opened.scene.for_reading();
+        let pipeline = self.opened.scene.pipeline(self.take.events.iter().cloned());
+        let mut preview = Preview::new(scene.clone());
+        for event in &self.take.events {
+            preview.push(event.clone());
+        }
+        let outcome = guarded(|| {
+            let previewed = preview.estimate(observer)?;
+            let outcome = previewed.map(|of| of.outcome.clone());
+            outcome.context("joined bodies have no preview, expected an estimate")
+        })?;
+        Ok(EstimateInMemory { outcome, pipeline })
     }
 
     /// The estimate from one of the same recording on, whose scene has other goals ([`KeptMotion::with_goals_of`]); `None` where

@@ -24,6 +24,7 @@ class Worker:
         self.lock = threading.Condition()
         self.wanted = None
         self.found = None
+        #: The last motion from which goals go on.
         self.solved = None
         self.is_working = False
         self.count = 0
@@ -63,36 +64,59 @@ class Worker:
             self.lock.notify()
         self.thread.join(5)
 
-    def _told(self, _phase):
+    def _is_stale(self, _phase):
         with self.lock:
-            late = self.wanted is not None and time.monotonic() - self.began > STALE_S
-            return self.is_over or late
+            return self.is_over or self.wanted is not None and time.monotonic() - self.began > STALE_S
+
+    def _is_superseded(self, _phase):
+        with self.lock:
+            return self.is_over or self.wanted is not None
 
     def run(self):
         while True:
+            wanted = self.next()
+            if wanted is None:
+                return
+            if solving.can_go_on(wanted, self.solved):
+                self.give(wanted, lambda: solving.solve(wanted, self.solved, quick=True, told=self._is_stale))
+            else:
+                # What is quickly there is shown first; the other is done where nothing newer is wanted.
+                self.give(wanted, lambda: solving.preview(wanted), is_last=False)
+                if not self._is_superseded(""):
+                    self.give(wanted, lambda: solving.solve(wanted, quick=True, told=self._is_superseded))
             with self.lock:
-                while self.wanted is None and not self.is_over:
-                    self.lock.wait()
-                pause = BETWEEN_S - (time.monotonic() - self.began)
-                if not self.is_over and pause > 0:
-                    self.lock.wait(pause)
-                    continue
-                if self.is_over:
-                    return
-                wanted, self.wanted, self.is_working = self.wanted, None, True
-                self.began = time.monotonic()
-                self.count += 1
-            try:
-                found = solving.solve(wanted, self.solved, quick=True, told=self._told)
-                if found.is_motion:
-                    self.solved = found
-            except Refused as refused:
-                found = refused
-            except Exception as error:
-                found = Refused("live", f"{type(error).__name__}: {error}")
-            with self.lock:
-                self.found, self.is_working = found, False
+                self.is_working = False
                 self.lock.notify_all()
+
+    def next(self):
+        """Waits for what is wanted, and until the next solve may begin; None where it is over."""
+        with self.lock:
+            while not self.is_over:
+                pause = BETWEEN_S - (time.monotonic() - self.began)
+                if self.wanted is None:
+                    self.lock.wait()
+                elif pause > 0:
+                    self.lock.wait(pause)
+                else:
+                    wanted, self.wanted, self.is_working = self.wanted, None, True
+                    self.began, self.count = time.monotonic(), self.count + 1
+                    return wanted
+        return None
+
+    def give(self, wanted, work, is_last=True):
+        """Does the work and keeps what is found, but for what was ended because it is no longer wanted."""
+        try:
+            found = work()
+        except Refused as refused:
+            found = refused
+        except Exception as error:
+            found = Refused("live", f"{type(error).__name__}: {error}")
+        if isinstance(found, solving.Solved) and is_last:
+            if found.estimate.is_late:
+                return
+            self.solved = found if found.is_motion else self.solved
+        with self.lock:
+            self.found = found
 
 
 @dataclass

@@ -69,6 +69,17 @@ def solve(reading, before=None, *, quick=False, told=None, deadline=None):
     return Solved(reading, found, zero_of(found))
 
 
+def preview(reading):
+    """The motion of a reading as it is shown while a key is dragged: within what a hand strays of the other. Raises Refused."""
+    try:
+        found = take_of(reading).preview()
+    except enact_motion.SceneError as error:
+        raise Refused("scene", said_of(error, reading)) from None
+    except enact_motion.TakeError as error:
+        raise Refused(", ".join(reading.flying), error.message) from None
+    return Solved(reading, found, zero_of(found))
+
+
 def said_of(error, reading):
     """What is wrong with a scene, with the line of its text."""
     lines = with_goals(reading, reading.goals).splitlines()

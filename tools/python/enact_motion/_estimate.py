@@ -138,7 +138,9 @@ class Estimate:
         of = object.__new__(cls)
         if core is not None:
             is_late = core.is_late
-        parts = {"_base": base, "_core": core, "_options": (*options, is_late), "_said": None, "_take": take, "_text": text}
+        # Of a preview there are no options.
+        options = (*(options or (None, None)), is_late)
+        parts = {"_base": base, "_core": core, "_options": options, "_said": None, "_take": take, "_text": text}
         for name, value in parts.items():
             object.__setattr__(of, name, value)
         return of
@@ -345,7 +347,7 @@ class Estimate:
             return of.tolist()
 
         core = self._take.scene._core.with_goals(json.dumps(list(goals), default=plain))
-        free, diagnose, _ = self._options
+        free, diagnose = map(bool, self._options[:2])
         found = self._made().update(core, bool(sd), free, diagnose, _arrays.limit(deadline), told)
         return Estimate._of(self._take._in_scene(core), (free, diagnose), found, base=(self if chained else None, bool(sd)))
 
@@ -391,6 +393,8 @@ class Estimate:
     def __reduce__(self):
         if self._base is not None and self._base[0] is None:
             raise TypeError("the estimate was updated with chained=False, expected True of one that is pickled")
+        if self._options[0] is None:
+            raise TypeError("a preview cannot be pickled, expected an estimate: estimate.take.estimate()")
         return _estimate, (self._take, self._options, self._words(), self._base)
 
 

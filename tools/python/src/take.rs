@@ -146,6 +146,19 @@ impl Take {
         Ok(each.collect())
     }
 
+    /// The motion as a preview has it.
+    fn preview(&self, py: Python<'_>) -> PyResult<Estimate> {
+        let mut watch = Watch::begin(None);
+        let previewed = py.detach(|| self.of.preview(&mut watch));
+        if let Some(raised) = watch.raised.take() {
+            return Err(raised);
+        }
+        match previewed {
+            Ok(of) => Ok(Estimate::new(self.of.clone(), (of, None), watch)),
+            Err(error) => Err(errors::of_any(py, &error)),
+        }
+    }
+
     /// Estimates the motion without the interpreter; what a signal or `told` raises ends it.
     fn estimate(
         &self,
