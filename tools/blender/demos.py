@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Three scenes made by script: a die thrown to a six, a pencil into the mug, a hat on a box. For the benchmark, the tests and the film strips.
+"""Three scenes made by script, for the benchmark, the tests and the film strips: a die thrown to a six, a pencil into the mug, a hat on a box.
 
 Each function leaves an animated object, what stands around it, markers and goals in the scene, and returns what is to be made physical.
 """
@@ -127,14 +127,14 @@ def die():
     """A die is thrown; the six is to be up. Six is at +z, one at -z, two and five at +x and -x, three and four at +y and -y."""
     scene = bpy.context.scene
     scene.render.fps = 60
-    size = 0.03
+    size = 0.05
     table()
-    thing = rigid(box("Die", (size, size, size), material("Ivory", (0.9, 0.87, 0.78), 0.3)), "ACTIVE", "BOX", 0.03, 0.45, 0.4)
+    thing = rigid(box("Die", (size, size, size), material("Ivory", (0.9, 0.87, 0.78), 0.3)), "ACTIVE", "BOX", 0.1, 0.45, 0.4)
     bevel = thing.modifiers.new("Round", "BEVEL")
     bevel.width, bevel.segments = 0.1 * size, 3
     pips(thing, size)
     t = np.linspace(0, 0.24, 30)
-    places = np.column_stack([-0.25 + 0.9 * t, 0.02 - 0.1 * t, 0.3 + 0.3 * t - G * t**2 / 2]) + hand(t, 0.002, 4)
+    places = np.column_stack([-0.25 + 0.9 * t, 0.02 - 0.1 * t, 0.32 + 0.3 * t - G * t**2 / 2]) + hand(t, 0.002, 4)
     acted(thing, 1 + t * 60, places, [Euler((0.4 + 8 * s, 0.2 + 13 * s, 5 * s)).to_quaternion() for s in t])
     goal(thing, "FACES", "rest", faces="+z", free_labels=True)
     return only(thing)

@@ -14,8 +14,9 @@ from statistics import median
 
 sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parents[1] / "tests")]
 
-import conftest  # noqa: E402,F401  installs the extension
 import bpy  # noqa: E402
+import conftest  # noqa: E402,F401  installs the extension
+
 import demos  # noqa: E402
 
 CHANGES = 60
@@ -44,9 +45,9 @@ def prepared(name):
     return list(things), goal
 
 
-def timed(work):
+def timed(work, *of, **how):
     begun = time.thread_time()
-    result = work()
+    result = work(*of, **how)
     return time.thread_time() - begun, result
 
 
@@ -63,16 +64,17 @@ def dragged(name, live, motion, reading, solving):
         for of in range(CHANGES):
             goal.location.x += 0.0005 * (1 if of < CHANGES / 2 else -1)
             bpy.context.view_layer.update()
-            reads, read = timed(lambda: live.with_goals_now(scene, read))
-            solves, found = timed(lambda: solving.solve(read, solved, quick=True))
-            shows, _ = timed(lambda: motion.path_of(found, things[0].name))
+            reads, read = timed(live.with_goals_now, scene, read)
+            solves, found = timed(solving.solve, read, solved, quick=True)
+            shows, _ = timed(motion.path_of, found, things[0].name)
             solved = found if found.is_motion else solved
             rows.append((reads, solves, shows, found.estimate.is_warm))
         anew = []
         for _ in range(8):
-            reads, fresh = timed(lambda: reading.read(scene, things, is_live=True))
-            solves, _ = timed(lambda: solving.solve(fresh, quick=True))
-            anew.append((reads, solves))
+            reads, fresh = timed(reading.read, scene, things, is_live=True)
+            previews, _ = timed(solving.preview, fresh)
+            solves, _ = timed(solving.solve, fresh, quick=True)
+            anew.append((reads, previews, solves))
     finally:
         live.end()
     return rows, anew
@@ -82,14 +84,17 @@ def main():
     parts = modules()
     bad = []
     print(f"Blender {bpy.app.version_string}, {CHANGES} changes each, milliseconds of processor time, medians")
-    print("scene    goal: read  solve  show   all/solve  a second  warm   key: read  solve")
+    print("scene    goal: read  solve  show   all/solve  a second  warm   key: read  preview  solve")
     for name in demos.SCENES:
         rows, anew = dragged(name, *parts)
         reads, solves, shows = (1e3 * median(row[at] for row in rows) for at in range(3))
         warm = sum(row[3] for row in rows) / len(rows)
         whole = reads + solves + shows
-        key = [1e3 * median(row[at] for row in anew) for at in range(2)]
-        print(f"{name:8} {reads:10.2f} {solves:6.2f} {shows:5.2f} {whole / solves:11.2f} {1e3 / whole:9.0f} {warm:5.0%} {key[0]:11.2f} {key[1]:6.2f}")
+        key = [1e3 * median(row[at] for row in anew) for at in range(3)]
+        print(
+            f"{name:8} {reads:10.2f} {solves:6.2f} {shows:5.2f} {whole / solves:11.2f} {1e3 / whole:9.0f} {warm:5.0%}"
+            f" {key[0]:11.2f} {key[1]:8.2f} {key[2]:6.2f}"
+        )
         if whole / solves > MOST_RATIO or 1e3 / whole < LEAST_RATE:
             bad.append(name)
     if bad:

@@ -10,7 +10,11 @@ VERDICTS = {
     "plausible": "plausible, not quite physical",
     "failed": "failed: no motion was found",
 }
-FITS = {"yes": "it explains what was acted", "no": "it does not explain what was acted", "unknown": "whether it explains what was acted is not known"}
+FITS = {
+    "yes": "it explains what was acted",
+    "no": "it does not explain what was acted",
+    "unknown": "whether it explains what was acted is not known",
+}
 #: Suspects that are shown.
 SHOWN = 3
 

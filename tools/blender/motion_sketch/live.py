@@ -73,20 +73,20 @@ class Worker:
             return self.is_over or self.wanted is not None
 
     def run(self):
-        while True:
-            wanted = self.next()
-            if wanted is None:
-                return
+        while (wanted := self.next()) is not None:
             if solving.can_go_on(wanted, self.solved):
-                self.give(wanted, lambda: solving.solve(wanted, self.solved, quick=True, told=self._is_stale))
+                self.give(solving.solve, wanted, self.solved, quick=True, told=self._is_stale)
             else:
-                # What is quickly there is shown first; the other is done where nothing newer is wanted.
-                self.give(wanted, lambda: solving.preview(wanted), is_last=False)
-                if not self._is_superseded(""):
-                    self.give(wanted, lambda: solving.solve(wanted, quick=True, told=self._is_superseded))
+                self.anew(wanted)
             with self.lock:
                 self.is_working = False
                 self.lock.notify_all()
+
+    def anew(self, wanted):
+        """What is quickly there is shown first; the motion itself is found where nothing newer is wanted."""
+        self.give(solving.preview, wanted)
+        if not self._is_superseded(""):
+            self.give(solving.solve, wanted, quick=True, told=self._is_superseded)
 
     def next(self):
         """Waits for what is wanted, and until the next solve may begin; None where it is over."""
@@ -103,18 +103,19 @@ class Worker:
                     return wanted
         return None
 
-    def give(self, wanted, work, is_last=True):
+    def give(self, work, *of, **how):
         """Does the work and keeps what is found, but for what was ended because it is no longer wanted."""
         try:
-            found = work()
+            found = work(*of, **how)
         except Refused as refused:
             found = refused
         except Exception as error:
             found = Refused("live", f"{type(error).__name__}: {error}")
-        if isinstance(found, solving.Solved) and is_last:
+        if isinstance(found, solving.Solved):
             if found.estimate.is_late:
                 return
-            self.solved = found if found.is_motion else self.solved
+            if found.is_motion and work is solving.solve:
+                self.solved = found
         with self.lock:
             self.found = found
 

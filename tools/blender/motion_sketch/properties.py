@@ -65,7 +65,12 @@ class SceneSettings(bpy.types.PropertyGroup):
     timing: EnumProperty(name="Timing", items=TIMINGS, default="PHYSICAL", update=touched)
     within_frames: FloatProperty(name="Frames", min=0.01, soft_max=10, default=2, update=touched)
     settle_s: FloatProperty(name="Settle", description="Seconds that it goes on by simulation after its end", min=0, max=60, update=touched)
-    strays_mm: FloatProperty(name="Strays (mm)", description="How far the acting is from what was meant; 0: a fiftieth of its extent", min=0, update=touched)
+    strays_mm: FloatProperty(
+        name="Strays (mm)",
+        description="How far the acting is from what was meant; 0: a fiftieth of its extent",
+        min=0,
+        update=touched,
+    )
     loops: IntProperty(name="Times", description="How often it is repeated in the new action", min=1, max=1000, default=1)
     free: StringProperty(name="Free", description="Quantities that are estimated, between bars")
     said: StringProperty(name="Said", description="What was said of the last motion, as JSON")

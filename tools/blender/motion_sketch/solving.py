@@ -53,8 +53,8 @@ def take_of(reading):
 def solve(reading, before=None, *, quick=False, told=None, deadline=None):
     """The motion of a reading. `before`: one of an earlier reading, from which it goes on where only goals differ.
 
-    `quick`: without standard deviations where it goes on, and without a search for mistakes. `told` is called with the phase now and then; what
-    it returns that is true stops the work. Raises Refused.
+    `quick`: without standard deviations where it goes on, and without a search for mistakes. `told` is called with the phase now and
+    then; where it returns true the work ends. Raises Refused.
     """
     try:
         if before is not None and quick and can_go_on(reading, before):

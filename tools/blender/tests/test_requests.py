@@ -134,7 +134,9 @@ def test_05_bounces_that_lose_height_as_they_should(tmp_path):
         thing = stage.rigid(stage.ball("Ball", 0.1), shape="SPHERE", mass=0.1, restitution=0.7, friction=0.0)
         stage.passive(stage.plane(size=10), friction=0.0)
         # Timed by eye on whole frames: a top, and bounces at frames 11, 25 and 35.
-        for frame, x, z in ((1, 0, 1.0), (11, 0.4, 0.1), (18, 0.68, 0.52), (25, 0.96, 0.1), (30, 1.16, 0.32), (35, 1.36, 0.1), (38, 1.5, 0.2)):
+        by_eye = [(1, 1.0), (11, 0.1), (18, 0.52), (25, 0.1), (30, 0.32), (35, 0.1), (38, 0.2)]
+        for frame, z in by_eye:
+            x = 0.04 * (frame - 1)
             stage.key(thing, frame, (x, 0, z), (1, 0, 0, 0))
         for point in stage.curves(thing)["location", 0].keyframe_points:
             point.interpolation = "LINEAR"
