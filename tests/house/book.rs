@@ -11,9 +11,10 @@ use std::process::Command;
 use tempfile::TempDir;
 
 /// Pages whose commands other tests run, with what the page says in words of its files.
-const RUN_ELSEWHERE: [(&str, &str); 2] = [
+const RUN_ELSEWHERE: [(&str, &str); 3] = [
     ("sketch.md", "tests/sketch/written.rs"),
     ("python.md", "tools/python/check.sh"),
+    ("blender.md", "tools/blender/check.sh"),
 ];
 
 fn root() -> &'static Path {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Three scenes made by script, for the benchmark, the tests and the film strips: a die thrown to a six, a pencil into the mug, a hat on a box.
+"""Three scenes made by script, for the benchmark, the tests and the film strips: a die to a six, a pencil into the mug, a hat on a box.
 
 Each function leaves an animated object, what stands around it, markers and goals in the scene, and returns what is to be made physical.
 """
@@ -195,8 +195,8 @@ def hat():
     # The brim is level with the origin; the crown is 0.11 m high inside.
     profile = [(0.17, 0), (0.17, 0.004), (0.104, 0.004), (0.1, 0.114), (0, 0.114), (0, 0.11), (0.096, 0.11), (0.1, 0.0)]
     thing = rigid(turned("Hat", profile, material("Felt", (0.25, 0.05, 0.07), 0.9)), "ACTIVE", "MESH", 0.09, 0.1, 0.6)
-    last = 0.75
-    t = np.linspace(0, last, 90)
+    last = 0.55
+    t = np.linspace(0, last, 66)
     speed = np.array([0.45, 0.1, 0.0])
     up = (0.19 + 0.004 - 0.75 + G * last**2 / 2) / last
     places = np.column_stack([speed[0] * (t - last), speed[1] * (t - last), 0.75 + up * t - G * t**2 / 2])

@@ -23,8 +23,8 @@ FRAMES, COLUMNS, WIDTH, HEIGHT, SAMPLES = 10, 5, 300, 225, 32
 #: Where the camera is and what it looks at, and how wide it sees, degrees.
 VIEWS = {
     "die": ((-0.02, -0.7, 0.42), (-0.03, 0.0, 0.13), 40),
-    "pencil": ((0.75, -0.95, 0.55), (-0.02, 0.02, 0.22), 36),
-    "hat": ((0.9, -1.5, 0.8), (-0.1, 0.0, 0.42), 46),
+    "pencil": ((0.5, -0.85, 0.5), (-0.08, 0.05, 0.27), 50),
+    "hat": ((0.75, -1.35, 0.8), (-0.08, 0.0, 0.5), 46),
 }
 
 
@@ -64,7 +64,7 @@ def seen_through(ghost):
         pale.use_nodes = True
     shader = pale.node_tree.nodes["Principled BSDF"]
     shader.inputs["Base Color"].default_value = (0.2, 0.45, 0.9, 1)
-    shader.inputs["Alpha"].default_value = 0.3
+    shader.inputs["Alpha"].default_value = 0.18
     ghost.hide_render = False
     for slot in ghost.material_slots:
         slot.link = "OBJECT"
