@@ -43,8 +43,13 @@ def take_of(reading):
     for name, (t, position, quaternion, held) in reading.poses.items():
         if reading.keys_within is None or held:
             take.poses(name, t, position, quaternion, order="wxyz")
+        elif reading.keys_within == 0 or len(t) < 3:
+            take.keyframes(name, t, position, quaternion, order="wxyz")
         else:
-            take.keyframes(name, t, position, quaternion, order="wxyz", within=reading.keys_within)
+            # The first and the last say when it is.
+            ends, inner = [0, -1], slice(1, -1)
+            take.keyframes(name, t[ends], position[ends], quaternion[ends], order="wxyz")
+            take.keyframes(name, t[inner], position[inner], quaternion[inner], order="wxyz", within=reading.keys_within)
     for event, t in reading.marks:
         take.mark(event, t)
     return take
@@ -57,7 +62,7 @@ def solve(reading, before=None, *, quick=False, told=None, deadline=None):
     then; where it returns true the work ends. Raises Refused.
     """
     try:
-        if before is not None and quick and can_go_on(reading, before):
+        if quick and can_go_on(reading, before):
             found = before.estimate.update(goals=reading.goals, sd=False, told=told, deadline=deadline, chained=False)
         else:
             found = take_of(reading).estimate(diagnose=not quick, told=told, deadline=deadline)
@@ -89,8 +94,10 @@ def said_of(error, reading):
 
 def can_go_on(reading, before):
     """Whether a motion of other goals leads to this one."""
+    if before is None or not before.is_motion:
+        return False
     at_rest = any(of["event"] == "rest" for of in (*reading.goals, *before.reading.goals))
-    return not at_rest and before.is_motion and reading.is_same_but_goals(before.reading)
+    return not at_rest and reading.is_same_but_goals(before.reading)
 
 
 def best_face(reading, found, quick, told):
