@@ -12,12 +12,14 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parent / "tests")]
 
-import bpy  # noqa: E402
-import conftest  # noqa: E402,F401  installs the extension
-import numpy as np  # noqa: E402
-from mathutils import Vector  # noqa: E402
+import conftest  # installs the extension, before anything else has bpy
 
-import demos  # noqa: E402
+# isort: split
+import bpy
+import numpy as np
+from mathutils import Vector
+
+import demos
 
 FRAMES, COLUMNS, WIDTH, HEIGHT, SAMPLES = 10, 5, 300, 225, 32
 #: Where the camera is and what it looks at, and how wide it sees, degrees.

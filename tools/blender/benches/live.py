@@ -14,10 +14,12 @@ from statistics import median
 
 sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parents[1] / "tests")]
 
-import bpy  # noqa: E402
-import conftest  # noqa: E402,F401  installs the extension
+import conftest  # installs the extension, before anything else has bpy
 
-import demos  # noqa: E402
+# isort: split
+import bpy
+
+import demos
 
 CHANGES = 60
 #: What all but the solve may take, of the solve, and changes a second.

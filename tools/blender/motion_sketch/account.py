@@ -27,7 +27,7 @@ def said_of(solved):
         "verdict": estimate.verdict,
         "reason": estimate.reason,
         "fit": estimate.fit,
-        "against": list(estimate.against),
+        "against": [*estimate.against, *(f"nothing touches at `{of}`" for of in missed(report))],
         "undetermined": list(estimate.undetermined),
         "events": [event(solved, of) for of in estimate.events],
         "suspects": [suspect(of) for of in report["suspects"][:SHOWN]],
@@ -37,6 +37,12 @@ def said_of(solved):
         "next": next_of(estimate, report),
         "freed": {name: {"value": of.value, "sd": of.sd, "unit": of.unit} for name, of in estimate.parameters.items()},
     }
+
+
+def missed(report):
+    """Collisions that a simulation from the first state does not have."""
+    checks = report["verification"]
+    return checks["missed"] if checks else []
 
 
 def event(solved, of):

@@ -52,6 +52,12 @@ def marked(scene, sources, first, last):
     return numbered(checked(found, last))
 
 
+def begin(found, first):
+    """Adds a start where there is none."""
+    if not any(of.kind == "start" for of in found):
+        found.insert(0, Marked("start", first, (), event="start", assumed=True))
+
+
 def checked(found, last):
     """The same with an end; refused where there are two ends or starts, or something is after the end."""
     for word in ("start", "end"):

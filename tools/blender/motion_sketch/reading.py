@@ -104,6 +104,8 @@ def read(scene, chosen, is_live=False):
     first, last = interval(settings, moved)
     units = Units.of(scene, first)
     found = markers.marked(scene, {name: action for name, (_, action) in sources.items()}, first, last)
+    if settings.loops > 1:
+        markers.begin(found, first)
     last = min(last, next(of.frame for of in found if of.kind == "end"))
     frames = frames_between(first, last, units)
     bodies = [flying(of, sources[of.name][0], moved[of.name], frames, units, settings) for of in chosen]
@@ -112,6 +114,7 @@ def read(scene, chosen, is_live=False):
     stands = [of for of in stands if isinstance(of, things.Standing)]
     asked = goals.of_scene(scene)
     tables, faces = goals_of(asked, bodies, found, units)
+    tables += closed(found, bodies, settings)
     events = [event(of, bodies, stands, moved, frames) for of in found]
     free_end(events, tables, settings, units)
     table = {
@@ -245,10 +248,27 @@ def goals_of(asked, bodies, found, units):
 def before(found, bodies, moved, frames, units):
     """Where bodies are before they are let go: none where they fly from the first frame on."""
     start = next((of.frame for of in found if of.kind == "start"), None)
-    if start is None:
+    if start is None or start <= frames[0]:
         return {}
     held = [float(of) for of in range(int(np.ceil(frames[0])), int(np.ceil(start)))]
     return {of.name: placed(moved[of.name], held, units) for of in bodies if not of.held and held}
+
+
+def closed(found, bodies, settings):
+    """Of what is repeated: it ends where and as it begins, which is as it was acted."""
+    if settings.loops < 2:
+        return []
+    ends = [of.event for of in found if of.kind in ("start", "end")]
+    flies = [of for of in bodies if not of.held]
+    pose = {
+        of.name: {
+            "point_mm": [0.0, 0.0, 0.0],
+            "position_mm": (1e3 * of.position[0]).tolist(),
+            "orientation_wxyz": of.quaternion[0].tolist(),
+        }
+        for of in flies
+    }
+    return [{"event": event, "body": of.name} | pose[of.name] for of in flies for event in ends]
 
 
 def event(of, bodies, stands, moved, frames):

@@ -222,14 +222,27 @@ def test_back_to_acted(parts):
     assert "Ball acted" not in bpy.data.objects and "Ball physical" not in bpy.data.actions
 
 
-def test_loops_repeat_the_motion():
+def test_loops_end_as_they_begin_and_repeat():
+    """A ball that jumps up and down for ever: half a bounce up, a whole one down, is a loop where it bounces as it should."""
     scene = bpy.context.scene
-    scene.motion_sketch.loops = 3
-    thing, before, hit, last = made()
+    scene.render.fps = 24
+    thing = stage.rigid(stage.ball("Ball", RADIUS), shape="SPHERE", restitution=1.0, friction=0.0)
+    stage.passive(stage.plane(), restitution=1.0, friction=0.0)
+    fall = np.sqrt(2 * 0.5 / stage.G)
+    t = np.linspace(0, 2 * fall, 60)
+    z = 0.6 - stage.G * np.minimum(t, 2 * fall - t) ** 2 / 2
+    stage.record(thing, 1 + t * 24, np.column_stack([0 * t, 0 * t, z]) + stage.wander(t, 0.01, 1), [(1, 0, 0, 0)] * 60)
+    stage.marker("bounce", round(1 + fall * 24))
+    scene.motion_sketch.loops = 4
+    stage.select(thing)
+    assert bpy.ops.motion_sketch.make_physical() == {"FINISHED"}
     frames, rows = stage.keys(thing)
-    length = (frames[-1] - frames[0]) / 3
-    assert length == pytest.approx(last - 1, abs=0.05)
-    assert scene.frame_end >= frames[-1] - 1
+    length = (frames[-1] - frames[0]) / 4
+    assert length == pytest.approx(2 * fall * 24, abs=0.1) and scene.frame_end >= frames[-1] - 1
+    for number in range(4):
+        at = [stage.world(thing, frames[0] + (number + share) * length).translation.z for share in (0, 0.5, 1)]
+        assert at[0] == pytest.approx(at[2], abs=2e-3) and at[1] == pytest.approx(RADIUS, abs=4e-3)
+    assert np.abs(np.diff(rows[:, 2])).max() < 0.2, "it never jumps"
 
 
 def test_it_is_written_though_the_physics_would_move_it():
@@ -240,3 +253,72 @@ def test_it_is_written_though_the_physics_would_move_it():
     assert thing.rigid_body.kinematic
     frames, rows = stage.keys(thing)
     assert (stage.world(thing, 5).translation - stage.Vector(rows[np.argmin(abs(frames - 5)), :3])).length < 1e-5
+
+
+def wrong_bounciness():
+    """A ball that was acted as bouncy as 0.6 and is said to be as bouncy as 0.75."""
+    thing, *_ = stage.tossed_ball(fps=60)
+    thing.rigid_body.restitution = 0.75
+    stage.select(thing)
+    return thing
+
+
+def test_what_is_suspected_is_set_free(parts):
+    wrong_bounciness()
+    bpy.ops.motion_sketch.make_physical()
+    said = parts.account.kept(bpy.context.scene)
+    quantity = said["suspects"][0]["quantity"]
+    assert "restitution" in quantity and said["fit"] == "no", said
+    assert bpy.ops.motion_sketch.set_free(quantity=quantity) == {"FINISHED"}
+    said = parts.account.kept(bpy.context.scene)
+    (found,) = said["freed"].values()
+    assert found["value"] == pytest.approx(0.6, abs=0.02) and said["fit"] == "yes", said
+    assert bpy.context.scene.motion_sketch.free == quantity
+    assert bpy.ops.motion_sketch.fix_all() == {"FINISHED"} and bpy.context.scene.motion_sketch.free == ""
+
+
+def test_what_cannot_be_free_is_refused():
+    wrong_bounciness()
+    before = stage.snapshot()
+    with pytest.raises(RuntimeError, match="scene: "):
+        bpy.ops.motion_sketch.set_free(quantity="Ball.colour")
+    assert stage.snapshot() == before
+
+
+def test_an_estimate_in_a_thread_tells_its_phase_and_is_stopped(parts):
+    thing, *_ = stage.tossed_ball(strays=0.02)
+    stage.select(thing)
+    taken = parts.operators.read(bpy.context)
+    work = parts.working.Work(taken)
+    work.thread.join(30)
+    assert work.is_done and work.found.is_motion and work.phase != "begins" or work.found.is_motion
+    stopped = parts.working.Work(taken)
+    stopped.is_stopped = True
+    stopped.thread.join(30)
+    assert stopped.is_done and not isinstance(stopped.found, parts.refusal.Refused)
+
+
+def test_a_paddle_that_is_animated_hits():
+    """A passive object with an action is in a hand: it goes as it does, and the ball bounces off it."""
+    scene = bpy.context.scene
+    scene.render.fps = 60
+    thing = stage.rigid(stage.ball("Ball", 0.05), shape="SPHERE", mass=0.05, restitution=0.8, friction=0.0)
+    paddle = stage.passive(stage.box("Paddle", 0.4, 0.4, 0.02), restitution=1.0, friction=0.0)
+    paddle.rigid_body.kinematic = True
+    # The paddle goes up at 0.5 m/s; its top meets the ball after 0.3 s.
+    t = np.linspace(0, 0.6, 73)
+    hit = 0.3
+    top = 0.5 + 0.5 * (t - hit)
+    stage.record(paddle, 1 + t * 60, np.column_stack([0 * t, 0 * t, top - 0.01]), [(1, 0, 0, 0)] * 73)
+    fall = stage.G * hit
+    after = 0.5 + 0.8 * (fall + 0.5)
+    z = np.where(t < hit, 0.55 + stage.G * (hit**2 - t**2) / 2, 0.55 + after * (t - hit) - stage.G * (t - hit) ** 2 / 2)
+    stage.record(thing, 1 + t * 60, np.column_stack([0 * t, 0 * t, z]) + stage.wander(t, 0.005, 2), [(1, 0, 0, 0)] * 73)
+    stage.marker("bounce", 19)
+    action = paddle.animation_data.action
+    stage.select(thing)
+    assert bpy.ops.motion_sketch.make_physical() == {"FINISHED"}
+    happens = next(of for of in thing.animation_data.action["motion_sketch_events"] if of["kind"] == "collision")
+    gap = stage.world(thing, happens["frame"]).translation.z - stage.world(paddle, happens["frame"]).translation.z
+    assert gap == pytest.approx(0.06, abs=1e-3) and happens["contact"] == "ball on face +z"
+    assert paddle.animation_data.action == action and paddle.motion_sketch.ghost is None

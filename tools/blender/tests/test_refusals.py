@@ -209,6 +209,11 @@ def test_linked_objects_are_refused_and_overrides_taken(tmp_path):
     stage.select(linked)
     with pytest.raises(RuntimeError, match="Ball: is linked from another file, expected a local one"):
         bpy.ops.motion_sketch.make_physical()
+    own = linked.override_create(remap_local_usages=True)
+    stage.rigid(own, shape="SPHERE", mass=0.2, restitution=0.6, friction=0.0)
+    stage.select(own)
+    assert bpy.ops.motion_sketch.make_physical() == {"FINISHED"}
+    assert own.animation_data.action.name == "Ball physical" and own.motion_sketch.ghost.animation_data.action.library is not None
 
 
 def test_a_take_that_cannot_be_written_is_refused(tmp_path):
