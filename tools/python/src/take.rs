@@ -182,7 +182,9 @@ impl Take {
 
 /// A keyframe of a body: its time is within so many seconds of what was written, of which infinity is no bound.
 fn keyframe(sample: PoseSample, within_s: f64) -> PoseSample {
-    let within_ns = within_s.is_finite().then_some((within_s * 1e9).round() as i64);
+    let within_ns = within_s
+        .is_finite()
+        .then_some((within_s * 1e9).round() as i64);
     // No time is before zero.
     let before_ns = within_ns.map(|of| of.min(sample.stamp.0));
     let open = OpenTime {
