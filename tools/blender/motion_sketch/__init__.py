@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Motion Sketch: act a motion, and it becomes a physical one that meets its goals."""
 
-from . import handlers, operators, panel, properties
+from . import editing, handlers, operators, panel, properties
 
-PARTS = (properties, operators, panel, handlers)
+PARTS = (properties, operators, editing, panel, handlers)
 
 
 def register():

@@ -5,18 +5,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import acted, goals, markers, poses, things, toml_text
+from . import acted, goals, happening, markers, poses, things, toml_text, weighing
 from .refusal import Refused
 from .units import Units
 
 #: Samples a second that an action is read with, about.
 RATE_HZ = 120.0
-#: Farthest that a hand is taken to stray, of the extent of a motion; and its bounds in millimetres.
-STRAYS, STRAYS_MM = 0.02, (2.0, 200.0)
 #: Most samples of one body.
 SAMPLES = 100_000
-#: Restitution and friction of what Rigid Body says nothing of.
-UNSET = 0.0
 
 
 @dataclass
@@ -115,14 +111,14 @@ def read(scene, chosen, is_live=False):
     asked = goals.of_scene(scene)
     tables, faces = goals_of(asked, bodies, found, units)
     tables += closed(found, bodies, settings)
-    events = [event(of, bodies, stands, moved, frames) for of in found]
-    free_end(events, tables, settings, units)
+    events = [happening.event(of, bodies, stands, moved, frames) for of in found]
+    weighing.free_end(events, tables, settings, units)
     table = {
         "name": ", ".join(names),
         **({"settle_s": settings.settle_s} if settings.settle_s > 0 or faces else {}),
-        "gravity_m_s2": gravity(scene, units),
-        "timing": timing(settings, units),
-        "weights": {"position_mm": strays(settings, bodies)},
+        "gravity_m_s2": weighing.gravity(scene, units),
+        "timing": weighing.timing(settings, units),
+        "weights": {"position_mm": weighing.strays(settings, bodies)},
         "body": [of.table for of in bodies],
         "surface": [of.table for of in stands if of.is_flat],
         "obstacle": [of.table for of in stands if not of.is_flat],
@@ -137,13 +133,13 @@ def read(scene, chosen, is_live=False):
         text=toml_text.text(table),
         goals=tables,
         poses={of.name: (seconds(of.frames, units), of.position, of.quaternion, np.array(of.held)) for of in bodies},
-        keys_within=keys_within(settings, units),
+        keys_within=weighing.keys_within(settings, units),
         marks=[(of.event, units.seconds(of.frame)) for of in found],
         events={of.event: of.frame for of in found},
         flying=names,
         faces=faces,
         before=before(found, bodies, moved, frames, units),
-        notes=notes(scene, units),
+        notes=weighing.notes(scene, units),
     )
 
 
@@ -269,98 +265,3 @@ def closed(found, bodies, settings):
         for of in flies
     }
     return [{"event": event, "body": of.name} | pose[of.name] for of in flies for event in ends]
-
-
-def event(of, bodies, stands, moved, frames):
-    """What a scene says of a marker: whom it is of, and what is nearest then."""
-    if of.kind not in ("bounce", "through"):
-        return markers.table(of, None, None, None, {})
-    flies = [each for each in bodies if not each.held]
-    named = [each for each in flies if each.name in of.names]
-    body = named[0] if named else flies[0] if len(flies) == 1 else None
-    where = f"marker {of.kind!r} at frame {of.frame:g}"
-    if body is None:
-        raise Refused(where, f"of which of {', '.join(each.name for each in flies)}? expected a name, as in '{of.kind}: {flies[0].name}'")
-    known = {each.name: each for each in (*bodies, *stands)}
-    unknown = [name for name in of.names if name not in known]
-    if unknown:
-        raise Refused(where, f"names {unknown[0]!r}, expected a rigid body of the scene: {', '.join(known)}")
-    if of.kind == "through":
-        return markers.table(of, body.name, None, None, {})
-    other = next((known[name] for name in of.names if name != body.name), None)
-    other = other or nearest(of.frame, body, [*(each for each in bodies if each is not body), *stands], moved)
-    if other is None:
-        raise Refused(where, "nothing is there to bounce off, expected a passive Rigid Body: Physics > Rigid Body > Passive")
-    is_body = isinstance(other, things.Body)
-    surface = None if is_body or not other.is_flat else flat_surface(other, stands)
-    return markers.table(of, body.name, other.name if is_body else None, surface, contact(body, other))
-
-
-def flat_surface(of, stands):
-    """A surface by name where no edge of it may be meant."""
-    return None if "size_mm" in of.table else of.name
-
-
-def nearest(frame, body, others, moved):
-    """What is nearest to a body at a frame, by their meshes."""
-    if len(others) < 2:
-        return others[0] if others else None
-    own, world = things.Near(body.thing), moved[body.name].world(frame)
-
-    def away(other):
-        at = moved[other.name].world(frame) if other.name in moved else other.thing.matrix_world
-        return own.distance(things.Near(other.thing), world.inverted() @ at)
-
-    return min(others, key=away)
-
-
-def contact(body, other):
-    """How two things bounce: as Rigid Body multiplies them; what a surface leaves at zero is not told by it."""
-    a, b = body.thing.rigid_body, other.thing.rigid_body
-    of = {name: x * (1.0 if y == UNSET else y) for name, x, y in (
-        ("restitution", a.restitution, b.restitution), ("friction", a.friction, b.friction))}
-    return {name: round(min(value, 1.0) if name == "restitution" else value, 7) for name, value in of.items()}
-
-
-def free_end(events, tables, settings, units):
-    """The end may move where a goal holds there and times may."""
-    end = next(of for of in events if of["kind"] == "end")
-    if settings.timing == "WITHIN" and any(of["event"] == end["name"] for of in tables):
-        within_ms = 1e3 * settings.within_frames / units.fps
-        end |= {"time": "free", "earliest_ms": -within_ms, "latest_ms": within_ms}
-
-
-def timing(settings, units):
-    """What the times of keys mean; a marker is on a whole frame."""
-    stamps = "tempo" if settings.timing == "TEMPO" else "physical"
-    frames = max(settings.within_frames, 0.5) if settings.timing == "WITHIN" else 0.5
-    of = {"stamps": stamps}
-    return of if stamps == "tempo" else of | {"mark_sd_ms": max(4.2, 1e3 * frames / units.fps)}
-
-
-def keys_within(settings, units):
-    """How far keys may be from their times; None of samples."""
-    if settings.reads != "KEYS":
-        return None
-    return settings.within_frames / units.fps if settings.timing == "WITHIN" else 0.0
-
-
-def strays(settings, bodies):
-    """How far the acting is from what was meant, millimetres."""
-    if settings.strays_mm > 0:
-        return settings.strays_mm
-    extent_mm = 1e3 * max(float(np.ptp(of.position, axis=0).max()) for of in bodies if not of.held)
-    return round(float(np.clip(STRAYS * extent_mm, *STRAYS_MM)), 3)
-
-
-def gravity(scene, units):
-    """Metres per second squared."""
-    return [units.metre * of for of in scene.gravity] if scene.use_gravity else [0.0, 0.0, 0.0]
-
-
-def notes(scene, units):
-    """What looks like a mistake of the scene."""
-    size = np.linalg.norm(gravity(scene, units))
-    if scene.use_gravity and not 9.0 < size < 10.5:
-        return [f"gravity is {size:.3g} m/s²: Scene > Gravity, and Units > Unit Scale"]
-    return []

@@ -50,8 +50,8 @@ def parts():
     from importlib import import_module
     from types import SimpleNamespace
 
-    names = ["account", "acted", "baking", "channels", "goals", "handlers", "live", "markers", "motion", "operators",
-             "poses", "proposing", "reading", "refusal", "shapes", "solving", "things", "units", "working"]
+    names = ["account", "acted", "baking", "channels", "goals", "handlers", "happening", "live", "markers", "motion", "operators",
+             "poses", "proposing", "reading", "refusal", "shapes", "solving", "things", "units", "worker", "working"]
     return SimpleNamespace(**{name: import_module(f"{MODULE}.{name}") for name in names})
 
 

@@ -78,7 +78,7 @@ def test_one_solve_in_33_ms_and_the_last_one_wins(parts, dragged):
     assert worker.wait(10)
     spent = time.monotonic() - begun
     parts.live.tick(bpy.context.scene)
-    assert 1 <= worker.count - count <= spent / parts.live.BETWEEN_S + 1.5
+    assert 1 <= worker.count - count <= spent / parts.worker.BETWEEN_S + 1.5
     assert end_of(parts)[0] == pytest.approx(0.82, abs=1e-5)
 
 
@@ -167,7 +167,7 @@ def test_dragging_for_long_takes_no_more_memory(parts, dragged):
             assert worker.wait(10)
         parts.live.tick(scene)
 
-    parts.live.BETWEEN_S, kept = 0.0, parts.live.BETWEEN_S
+    parts.worker.BETWEEN_S, kept = 0.0, parts.worker.BETWEEN_S
     try:
         drag(300)
         tracemalloc.start()
@@ -177,7 +177,7 @@ def test_dragging_for_long_takes_no_more_memory(parts, dragged):
         grown_resident = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - resident
     finally:
         tracemalloc.stop()
-        parts.live.BETWEEN_S = kept
+        parts.worker.BETWEEN_S = kept
     assert grown < 1_000_000, f"{grown} bytes"
     # Kilobytes: what the allocator keeps for itself, and no more.
     assert grown_resident < 30_000, f"{grown_resident} kB"

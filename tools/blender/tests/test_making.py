@@ -111,10 +111,10 @@ def test_restitution_and_friction_multiply_as_in_the_physics(parts):
     thing, table, *_ = stage.tossed_ball()
     thing.rigid_body.restitution, table.rigid_body.restitution = 0.8, 0.5
     thing.rigid_body.friction, table.rigid_body.friction = 0.5, 0.4
-    contact = parts.reading.contact(*(type("T", (), {"thing": of}) for of in (thing, table)))
+    contact = parts.happening.contact(*(type("T", (), {"thing": of}) for of in (thing, table)))
     assert contact == {"restitution": 0.4, "friction": 0.2}
     table.rigid_body.restitution = 0.0
-    assert parts.reading.contact(*(type("T", (), {"thing": of}) for of in (thing, table)))["restitution"] == 0.8
+    assert parts.happening.contact(*(type("T", (), {"thing": of}) for of in (thing, table)))["restitution"] == 0.8
 
 
 @pytest.mark.parametrize("metre", [1.0, 0.01])
