@@ -130,3 +130,4 @@ if __name__ == "__main__":
     folder.mkdir(parents=True, exist_ok=True)
     for each in sys.argv[2:] or demos.SCENES:
         strip(each, folder)
+    conftest.leave(0)

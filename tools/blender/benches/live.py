@@ -100,7 +100,8 @@ def main():
         if whole / solves > MOST_RATIO or 1e3 / whole < LEAST_RATE:
             bad.append(name)
     if bad:
-        sys.exit(f"too slow: {', '.join(bad)}; expected {LEAST_RATE:.0f} a second, and the rest at most the solve again")
+        print(f"too slow: {', '.join(bad)}; expected {LEAST_RATE:.0f} a second, and the rest at most the solve again", file=sys.stderr)
+    conftest.leave(len(bad))
 
 
 if __name__ == "__main__":

@@ -62,11 +62,14 @@ def pytest_sessionfinish(session, exitstatus):
 
 @pytest.hookimpl(trylast=True)
 def pytest_unconfigure(config):
-    if bpy.app.version < (4, 4):
-        # The module of 4.2 frees classes of panels when Python is gone already, whoever registered them, and crashes at exit.
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(config.stash.get(STATUS, 1))
+    leave(config.stash.get(STATUS, 1))
+
+
+def leave(status):
+    """Ends the process at once: the module itself crashes at exit (4.2, where a panel was registered) or hangs (4.5, in its movie cache)."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)
 
 
 @pytest.fixture
