@@ -66,7 +66,7 @@ def pytest_unconfigure(config):
 
 
 def leave(status):
-    """Ends the process at once: the module itself crashes at exit (4.2, where a panel was registered) or hangs (4.5, in its movie cache)."""
+    """Ends the process at once: the module itself crashes at exit (4.2, once a panel was registered) or hangs (4.5, in its movies)."""
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(status)
