@@ -32,7 +32,7 @@ for version in $versions; do
 done
 first="$here/venv-${versions%% *}/bin"
 
-"$first/ruff" check --quiet --config tools/blender/ruff.toml tools/blender
+(cd tools/blender && "$first/ruff" check --quiet .)
 if [ -z "${WHEEL:-}" ]; then
     rm -rf "$here/wheels"
     "$first/maturin" build --quiet --release --locked --manifest-path tools/python/Cargo.toml --out "$here/wheels"

@@ -109,3 +109,17 @@ def test_every_panel_draws():
     assert any(of.startswith("bounce") for of in seen) or "motion_sketch.jump" in seen
     assert "motion_sketch.make_physical" in seen and "motion_sketch.restore" in seen and "event" in seen
     assert any("next:" in of for of in seen)
+
+
+@pytest.mark.parametrize(("tag", "platform"), [
+    ("manylinux_2_35_x86_64", "linux-x64"), ("musllinux_1_2_aarch64", "linux-arm64"), ("macosx_11_0_arm64", "macos-arm64"),
+    ("macosx_10_12_x86_64", "macos-x64"), ("win_amd64", "windows-x64"), ("win_arm64", "windows-arm64"),
+])
+def test_every_platform_has_a_zip_of_its_own(tag, platform, monkeypatch):
+    """Wheels of other platforms are not built here: their names alone are read."""
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[1]))
+    import build
+
+    assert build.platform_of(Path(f"enact_motion-0.1.0-cp311-abi3-{tag}.whl")) == platform
+    with pytest.raises(SystemExit, match="expected the name of a wheel"):
+        build.platform_of(Path("enact_motion-0.1.0-cp311-abi3-any.whl"))
