@@ -86,11 +86,6 @@ impl TakeInMemory {
         [lost(&self.take.report), warnings(&self.take.report)].concat()
     }
 
-    /// The scene with which it is read.
-    pub fn scene(&self) -> &Scene {
-        self.opened.scene.for_reading()
-    }
-
     /// Marks that its streams show, as [`mark`](super::mark()) proposes them.
     pub fn propose(&self, count: Option<usize>) -> anyhow::Result<Vec<MarkProposal>> {
         let pipeline = self.opened.scene.pipeline(self.take.events.iter().cloned());
