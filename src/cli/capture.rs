@@ -8,7 +8,7 @@ use super::exit::Exit;
 use super::output;
 use crate::report::plain;
 use crate::service::capture::{
-    CaptureEvent, CaptureJob, CountsLine, Presence, Status, TakeLabel, TrackerState, capture,
+    ActingPage, CaptureEvent, CaptureJob, CountsLine, Presence, Status, TakeLabel, TrackerState, capture,
 };
 
 pub(super) fn run(arguments: CaptureArguments, verbose: bool) -> anyhow::Result<Exit> {
@@ -19,6 +19,10 @@ pub(super) fn run(arguments: CaptureArguments, verbose: bool) -> anyhow::Result<
         start_now: arguments.start,
         viewer_port: arguments.viewer_port,
         metrics_port: arguments.metrics_port,
+        acting: arguments.acting.map(|file| match file {
+            None => ActingPage::Found,
+            Some(file) => ActingPage::File(file),
+        }),
     };
     let format = arguments.format;
     let style = Style {
@@ -57,6 +61,7 @@ fn text(said: &CaptureEvent, style: Style) -> String {
             viewer,
             metrics,
             page,
+            acting,
         } => {
             let mut text = format!("ready: {}\n", plain(&topics.join(", ")));
             if let Some(viewer) = viewer {
@@ -69,6 +74,9 @@ fn text(said: &CaptureEvent, style: Style) -> String {
             }
             if let Some(page) = page {
                 text.push_str(&format!("  operator's page, which directs takes: {page}\n"));
+            }
+            if let Some(acting) = acting {
+                text.push_str(&format!("  acting page, with its pairing code: {acting}\n"));
             }
             for shortcoming in shortcomings {
                 text.push_str(&format!("  note: {}\n", plain(shortcoming)));

@@ -11,6 +11,8 @@ use super::read_back::ReadBack;
 use super::working::Working;
 use crate::motion::{PoseSample, Sees, TakeEvent, TrackIndex};
 use crate::page::{Page, View, html, strobe_of};
+#[cfg(feature = "live")]
+use crate::write::export::{exported_bodies, glb};
 
 /// The input of [`report`].
 #[derive(Clone, Debug)]
@@ -86,10 +88,24 @@ pub fn report(job: &ReportJob) -> anyhow::Result<ReportMade> {
     Ok(made)
 }
 
-/// A picture of the motion of an estimate, as an SVG file; `None` where it has no motion.
+/// Frames a second of a motion that pages play.
 #[cfg(feature = "live")]
-pub(super) fn picture(input: &Path, view: View) -> anyhow::Result<Option<String>> {
+const PLAYED_HZ: f64 = 60.0;
+
+/// What pages show of the motion of an estimate: first it as glTF, with what was acted, for who plays it; then the picture, as
+/// an SVG file. `None`, and nothing to play, where it has no motion.
+#[cfg(feature = "live")]
+pub(super) fn shown(
+    input: &Path,
+    play: impl FnOnce(Vec<u8>),
+) -> anyhow::Result<Option<String>> {
     let read = ReadBack::open(input)?;
+    let bodies = exported_bodies(&read.scene, &read.motion, PLAYED_HZ, true);
+    if !bodies.is_empty() {
+        let provenance = read.provenance("enact capture");
+        let zero = read.motion.zero;
+        play(glb(&read.scene, &bodies, zero, PLAYED_HZ, &provenance));
+    }
     let (readings, _) = readings(&read);
     let page = Page {
         scene: &read.scene,
@@ -99,7 +115,7 @@ pub(super) fn picture(input: &Path, view: View) -> anyhow::Result<Option<String>
         lost: &read.lost(),
     };
     let strobe = strobe_of(&page).with_context(|| input.display().to_string())?;
-    Ok(strobe.map(|strobe| strobe.file(view)))
+    Ok(strobe.map(|strobe| strobe.file(View::ThreeQuarter)))
 }
 
 /// Refuses files of one name, and the recording as one of them.

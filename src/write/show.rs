@@ -157,6 +157,13 @@ pub fn given_pose(scene: &Scene, track: TrackIndex, reading: &PoseSample) -> Opt
     Some(PoseSample::from_pose(reading.stamp, &world_from_given))
 }
 
+/// Where a tracker is on its link, in the frame in which the scene gives the link.
+pub fn tracker_mount(scene: &Scene, track: TrackIndex) -> PoseSample {
+    let link_from_tracker = scene.tracks[track].link_from_tracker;
+    let given_from_link = scene.link_seen_by(track).link_from_given.inverse();
+    PoseSample::from_pose(Stamp(0), &(given_from_link * link_from_tracker))
+}
+
 /// The message of [`ShownTopic::poses`].
 pub fn pose(sample: &PoseSample) -> Option<Vec<u8>> {
     encode::pose_in_frame(DEFAULT_WORLD_FRAME, sample).ok()

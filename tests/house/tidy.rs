@@ -145,9 +145,19 @@ const DOORS: &[(&str, &[&str])] = &[
         &["src/wire/live/", "src/ingest/live/", "src/write/live.rs"],
     ),
     ("base64", &["src/service/capture/viewer/"]),
-    ("futures_util", &["src/service/capture/viewer/"]),
+    (
+        "futures_util",
+        &["src/service/capture/viewer/", "src/service/capture/acting/"],
+    ),
     ("tokio", &["src/service/capture/"]),
-    ("tokio_tungstenite", &["src/service/capture/viewer/"]),
+    (
+        "tokio_tungstenite",
+        &[
+            "src/service/capture/viewer/",
+            "src/service/capture/acting.rs",
+            "src/service/capture/acting/",
+        ],
+    ),
     ("rustix", &["src/service/"]),
     ("roxmltree", &["src/core/config/urdf/"]),
     // The writer of glTF has a module of that name.

@@ -11,7 +11,8 @@ use super::values::Format;
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n\
              \x20 enact capture config/pencil_tip.toml -o takes\n\
-             \x20 enact capture config/pencil_tip.toml --start --viewer-port 8765 --metrics-port 9464")]
+             \x20 enact capture config/pencil_tip.toml --start --viewer-port 8765 --metrics-port 9464\n\
+             \x20 enact capture config/pencil_tip.toml --acting")]
 pub(in crate::cli) struct CaptureArguments {
     /// The scene, with its `[capture]`
     #[arg(value_name = "SCENE")]
@@ -30,6 +31,10 @@ pub(in crate::cli) struct CaptureArguments {
     /// `capture.metrics_port` of the scene, or not at all]
     #[arg(long, value_name = "PORT")]
     pub(in crate::cli) metrics_port: Option<u16>,
+    /// Serve the acting page, a tracker in a browser, beside the operator's page, at port 9464 if none is said
+    /// [FILE: the page, by default `acting.html` beside the program or what was made in tools/acting]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
+    pub(in crate::cli) acting: Option<Option<PathBuf>>,
     /// Configuration file of iceoryx2 [default: where iceoryx2 looks for it]
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) iceoryx2: Option<PathBuf>,

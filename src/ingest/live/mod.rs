@@ -19,7 +19,8 @@ pub use stream::{Stream, Streamed, stamp_mark};
 /// The contract, for the drivers of this module.
 pub use crate::wire::live::{
     ANSWER_SERVICE, CONTROL_SERVICE, Command, ControlRecord, DaemonLock, DaemonProcess,
-    ESTIMATE_SERVICE, LABEL_SERVICE, LabelRecord, LiveError, MarkRecord, NO_TIME, Node, PoseRecord,
+    ESTIMATE_SERVICE, LABEL_SERVICE, LabelRecord, LiveError, MarkRecord, NO_TIME, Node, POSE_BYTES,
+    PoseRecord,
     Quality, TAKE_SERVICE, TakeRecord, TakeState, Token, census, running_daemon, service_name,
     token_of_daemon, topic_of_service,
 };

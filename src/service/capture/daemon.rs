@@ -12,6 +12,9 @@ use anyhow::{Context, bail};
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
 
+use super::acting::page::{ActingPage, page_text};
+use super::acting::pairing::Pairing;
+use super::acting::{Acting, ActingParts};
 use super::director::Director;
 use super::estimator::finals;
 use super::event::{CaptureEvent, Status};
@@ -61,6 +64,12 @@ const STOPPED: Duration = Duration::from_secs(2);
 /// Bound of the queue of what the operator's page directs.
 const ORDERS: usize = 64;
 
+/// Bound of the queue of what the acting page sends: two seconds of what it may send.
+const ACTED: usize = 2048;
+
+/// Port of the pages where the acting page is wanted and none is said.
+const PAGES_PORT: u16 = 9464;
+
 /// The input of [`capture`].
 #[derive(Clone, Debug)]
 pub struct CaptureJob {
@@ -76,6 +85,8 @@ pub struct CaptureJob {
     pub viewer_port: Option<u16>,
     /// Port of health and metrics, 0 for any; by default the scene's.
     pub metrics_port: Option<u16>,
+    /// The acting page, if it is to be served: at the port of health and metrics, 9464 if none is said.
+    pub acting: Option<ActingPage>,
 }
 
 /// Captures until SIGTERM, SIGINT or SIGHUP, or until `each` fails; returns whether everything that came in
@@ -237,6 +248,10 @@ impl Running {
         }
         settings.viewer_port = job.viewer_port.or(settings.viewer_port);
         settings.metrics_port = job.metrics_port.or(settings.metrics_port);
+        let acting_html = job.acting.as_ref().map(page_text).transpose()?;
+        if acting_html.is_some() {
+            settings.metrics_port = settings.metrics_port.or(Some(PAGES_PORT));
+        }
         let folder = settings.folder.as_path();
         std::fs::create_dir_all(folder)
             .with_context(|| format!("{}: cannot make the folder", folder.display()))?;
@@ -284,6 +299,7 @@ impl Running {
         let (status_sender, status) = watch::channel(Status::default());
         let (shown_sender, shown) = watch::channel(None);
         let (order_sender, orders) = mpsc::sync_channel(ORDERS);
+        let (acted_sender, acted) = mpsc::sync_channel(ACTED);
         let doors = Doors {
             places: GatePlaces::of_process(),
             origins: Origins::new(&settings.origins, &settings.hosts),
@@ -293,9 +309,12 @@ impl Running {
             topics: &topics,
             metrics: &metrics,
             stop: &stop,
+            acting_html,
         };
         // Nothing has started yet except threads that wait on their queues.
-        let served = match doors.open(status.clone(), shown, order_sender).await {
+        let served = match doors
+            .open(status.clone(), shown, [order_sender, acted_sender])
+            .await {
             Ok(served) => served,
             Err(error) => {
                 stop.store(true, Ordering::Relaxed);
@@ -309,6 +328,7 @@ impl Running {
                 .as_ref()
                 .map(|address| operators_link(address, &token)),
             metrics: served.metrics.clone(),
+            acting: served.acting.clone(),
             topics: topics.iter().map(|topic| topic.topic.clone()).collect(),
             shortcomings,
             abandoned: left.iter().map(|path| path.display().to_string()).collect(),
@@ -335,6 +355,7 @@ impl Running {
             token,
             page: served.metrics,
             orders,
+            acted,
         };
         let (watched, to_watch) = (
             Arc::clone(&recorder.metrics),
@@ -386,12 +407,16 @@ struct Doors<'a> {
     places: GatePlaces,
     origins: Origins,
     token: Token,
+    /// The acting page, if it is to be served.
+    acting_html: Option<String>,
 }
 
 /// Addresses of the servers, and the recorder's end of the viewers' queue.
 struct Servers {
     viewer: Option<String>,
     metrics: Option<String>,
+    /// Link to the acting page, with the pairing code.
+    acting: Option<String>,
     feed: Option<Feed>,
 }
 
@@ -401,16 +426,20 @@ impl Doors<'_> {
         &self,
         status: watch::Receiver<Status>,
         shown: watch::Receiver<Shown>,
-        orders: SyncSender<Arrival>,
+        [orders, acted]: [SyncSender<Arrival>; 2],
     ) -> anyhow::Result<Servers> {
         let at = |port: u16| SocketAddr::new(self.settings.listen, port);
         let mut served = Servers {
             viewer: None,
             metrics: None,
+            acting: None,
             feed: None,
         };
         if let Some(address) = self.settings.metrics_port.map(at) {
+            let acting = self.acting(&status, acted)?;
+            let code = acting.as_ref().map(|acting| acting.code().to_owned());
             let pages = Pages {
+                acting: acting.map(Arc::new),
                 metrics: Arc::clone(self.metrics),
                 status: status.clone(),
                 stop: Arc::clone(self.stop),
@@ -420,6 +449,7 @@ impl Doors<'_> {
             let opened = http::serve(address, self.places, pages).await;
             let address = opened.with_context(|| format!("{address}: no metrics"))?;
             served.metrics = Some(format!("http://{address}"));
+            served.acting = code.map(|code| format!("http://{address}/act#code={code}"));
         }
         if let Some(address) = self.settings.viewer_port.map(at) {
             let what = (self.scene, self.topics);
@@ -431,6 +461,27 @@ impl Doors<'_> {
             served.feed = Some(feed);
         }
         Ok(served)
+    }
+
+    /// What the acting page is served with, if it is.
+    fn acting(
+        &self,
+        status: &watch::Receiver<Status>,
+        acted: SyncSender<Arrival>,
+    ) -> anyhow::Result<Option<Acting>> {
+        let Some(html) = &self.acting_html else {
+            return Ok(None);
+        };
+        let director = Director::new(self.scene, acted, status.clone(), self.token);
+        Ok(Some(Acting::new(ActingParts {
+            html: html.as_bytes().into(),
+            pairing: Pairing::new().context("no random bytes for a pairing code")?,
+            scene: self.scene,
+            topics: self.topics,
+            director,
+            status: status.clone(),
+            metrics: Arc::clone(self.metrics),
+        })))
     }
 }
 

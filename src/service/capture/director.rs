@@ -1,4 +1,4 @@
-//! What the operator's page directs: the same commands, marks and labels that come over iceoryx2.
+//! What the operator's page and the acting page direct: the same commands, marks and labels that come over iceoryx2.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::SyncSender;
@@ -11,7 +11,8 @@ use super::event::Status;
 use super::recorder::event_names;
 use super::take::now_ns;
 use crate::ingest::live::{
-    Arrival, Arrived, Command, ControlRecord, LabelRecord, MarkRecord, NO_TIME, Token,
+    Arrival, Arrived, Command, ControlRecord, LabelRecord, MarkRecord, NO_TIME, PoseRecord,
+    Token,
 };
 use crate::motion::Scene;
 
@@ -43,7 +44,16 @@ pub(super) enum DirectorOrder {
     },
 }
 
-/// The page's end of the queue to the recorder.
+/// When a marked event happened, as far as it is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct MarkTimes {
+    /// On this machine's clock \[ns since 1970\]; none: on arrival.
+    pub(super) sample_ns: Option<i64>,
+    /// On the clock of who says it \[ns\].
+    pub(super) device_ns: Option<i64>,
+}
+
+/// A page's end of a queue to the recorder.
 pub(super) struct Director {
     events: Vec<String>,
     orders: SyncSender<Arrival>,
@@ -98,24 +108,40 @@ impl Director {
                 self.send(Arrived::Label(Box::new(label)))?;
                 self.command(Command::Stop)
             }
-            DirectorOrder::Mark { event } => {
-                if !event.is_empty() && !self.events.contains(event) {
-                    let known = self.events.join(", ");
-                    return Err(format!(
-                        "no event {event:?} in the scene, which has {known}"
-                    ));
-                }
-                self.send(Arrived::Mark(MarkRecord {
-                    sequence: self.next(),
-                    available_ns: now_ns(),
-                    sample_ns: NO_TIME,
-                    device_ns: NO_TIME,
-                    event: MarkRecord::event_bytes(event),
-                    flags: 0,
-                    session: 0,
-                }))
-            }
+            DirectorOrder::Mark { event } => self.mark(event, MarkTimes::default()),
         }
+    }
+
+    /// Hands a mark on, with what is known of its time. Fails, in words, where no take runs or the scene has no such
+    /// event.
+    pub(super) fn mark(&self, event: &str, times: MarkTimes) -> Result<(), String> {
+        if self.status.borrow().take.is_none() {
+            return Err("no take runs".to_owned());
+        }
+        if !event.is_empty() && !self.events.iter().any(|known| known == event) {
+            let known = self.events.join(", ");
+            return Err(format!(
+                "no event {event:?} in the scene, which has {known}"
+            ));
+        }
+        self.send(Arrived::Mark(MarkRecord {
+            sequence: self.next(),
+            available_ns: now_ns(),
+            sample_ns: times.sample_ns.unwrap_or(NO_TIME),
+            device_ns: times.device_ns.unwrap_or(NO_TIME),
+            event: MarkRecord::event_bytes(event),
+            flags: 0,
+            session: 0,
+        }))
+    }
+
+    /// Hands a reading on, or drops it where the recorder does not keep up: the hole in its numbers is counted.
+    pub(super) fn pose(&self, stream: usize, record: PoseRecord) {
+        let _ = self.send(Arrived::Pose {
+            stream,
+            record,
+            is_overflow: false,
+        });
     }
 
     fn command(&self, command: Command) -> Result<(), String> {

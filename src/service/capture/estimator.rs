@@ -12,13 +12,12 @@ use super::event::CaptureEvent;
 use super::metrics::Metrics;
 use super::notice::{Notice, Shown, Speaker};
 use super::take::now_ns;
-use crate::page::View;
 use crate::pipeline::Outcome;
 use crate::report::RecordingReport;
 use crate::service::deadline::Deadline;
 use crate::service::finish::{finished, open, output_path};
 use crate::service::panics::guarded;
-use crate::service::report::picture;
+use crate::service::report::shown;
 use crate::service::words;
 use crate::service::working::Working;
 use crate::write::live::EstimateOccasion;
@@ -74,9 +73,10 @@ pub(super) fn finals(
     }
 }
 
-/// Draws the motion for the operator's page, once everybody knows of it.
+/// Draws the motion for the pages, once everybody knows of it.
 fn draw(take: u64, estimate: &Path, metrics: &Metrics) {
-    match guarded(|| picture(estimate, View::ThreeQuarter)) {
+    let keep = |glb| metrics.history.keep_motion(take, glb);
+    match guarded(|| shown(estimate, keep)) {
         Ok(Some(picture)) => metrics.history.draw(take, picture),
         Ok(None) => {}
         Err(error) => tracing::warn!(%error, take, "no picture of the motion"),

@@ -29,6 +29,9 @@ pub enum CaptureEvent {
         /// Link to the operator's page that may direct takes: it has the token, and is for the operator alone.
         #[serde(skip_serializing_if = "Option::is_none")]
         page: Option<String>,
+        /// Link to the acting page, if it is served: it has the pairing code, and is for who acts alone.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        acting: Option<String>,
     },
     /// A take has begun.
     Started {
@@ -238,12 +241,12 @@ impl CaptureEvent {
         }
     }
 
-    /// The event as JSON for `enact/answer`, without the token; of an estimate it has what a director needs.
+    /// The event as JSON for `enact/answer`, without token and pairing code; of an estimate it has what a director needs.
     pub(super) fn answer(&self) -> Option<String> {
-        if let CaptureEvent::Ready { page: Some(_), .. } = self {
+        if let CaptureEvent::Ready { .. } = self {
             let mut said = self.clone();
-            if let CaptureEvent::Ready { page, .. } = &mut said {
-                *page = None;
+            if let CaptureEvent::Ready { page, acting, .. } = &mut said {
+                (*page, *acting) = (None, None);
             }
             return serde_json::to_string(&said).ok();
         }

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use serde::Serialize;
+use tokio::sync::watch;
 
 use super::event::CaptureEvent;
 use super::label::TakeLabel;
@@ -14,7 +15,7 @@ use crate::service::takes::{TakeEntry, entry, take_files};
 /// Number of takes that are remembered.
 const TAKES: usize = 20;
 
-/// Longest picture that is kept \[bytes\].
+/// Longest picture, and longest motion, that is kept \[bytes\].
 const PICTURE_BYTES: usize = 1 << 20;
 
 /// What became of a take.
@@ -36,11 +37,19 @@ pub(super) struct TakeLine {
     has_picture: bool,
     #[serde(skip)]
     picture: Option<Arc<str>>,
+    /// Whether there is its motion, beside what was acted, as glTF.
+    has_motion: bool,
+    #[serde(skip)]
+    motion: Option<Arc<[u8]>>,
 }
 
-/// The last takes, the latest first.
+/// The last takes.
 #[derive(Debug, Default)]
-pub(super) struct History(Mutex<VecDeque<TakeLine>>);
+pub(super) struct History {
+    /// The latest first.
+    lines: Mutex<VecDeque<TakeLine>>,
+    changes: watch::Sender<()>,
+}
 
 impl History {
     /// Takes in the last takes that are in a folder already, as far as they can be read.
@@ -53,7 +62,7 @@ impl History {
 
     /// A take of before, earlier than all others.
     fn earlier(&self, of: TakeEntry) {
-        let (Some(take), Ok(mut takes)) = (of.number, self.0.lock()) else {
+        let (Some(take), Ok(mut takes)) = (of.number, self.lines.lock()) else {
             return;
         };
         if takes.len() >= TAKES || takes.iter().any(|line| line.take <= take) {
@@ -74,27 +83,48 @@ impl History {
                 note: of.note,
                 rating: of.rating,
             },
-            has_picture: false,
-            picture: None,
+            ..TakeLine::default()
         });
+        self.changes.send_replace(());
     }
 
     /// Keeps a picture of the motion of a take that it knows; of too large a one nothing.
     pub(super) fn draw(&self, take: u64, picture: String) {
-        let Ok(mut takes) = self.0.lock() else {
+        if picture.len() > PICTURE_BYTES {
             return;
-        };
-        let line = takes.iter_mut().find(|line| line.take == take);
-        if let Some(line) = line.filter(|_| picture.len() <= PICTURE_BYTES) {
+        }
+        self.change_known(take, |line| {
             line.has_picture = true;
             line.picture = Some(picture.into());
+        });
+    }
+
+    /// Keeps the motion of a take that it knows, as glTF; of too large a one nothing.
+    pub(super) fn keep_motion(&self, take: u64, glb: Vec<u8>) {
+        if glb.len() > PICTURE_BYTES {
+            return;
         }
+        self.change_known(take, |line| {
+            line.has_motion = true;
+            line.motion = Some(glb.into());
+        });
     }
 
     /// The picture of a take.
     pub(super) fn picture(&self, take: u64) -> Option<Arc<str>> {
-        let takes = self.0.lock().ok()?;
+        let takes = self.lines.lock().ok()?;
         takes.iter().find(|line| line.take == take)?.picture.clone()
+    }
+
+    /// The motion of a take as glTF.
+    pub(super) fn motion(&self, take: u64) -> Option<Arc<[u8]>> {
+        let takes = self.lines.lock().ok()?;
+        takes.iter().find(|line| line.take == take)?.motion.clone()
+    }
+
+    /// Tells of every change from now on.
+    pub(super) fn changes(&self) -> watch::Receiver<()> {
+        self.changes.subscribe()
     }
 
     /// Takes an event in.
@@ -144,25 +174,41 @@ impl History {
 
     /// The takes, the latest first.
     pub(super) fn takes(&self) -> Vec<TakeLine> {
-        self.0
+        self.lines
             .lock()
             .map_or(Vec::new(), |takes| takes.iter().cloned().collect())
     }
 
     fn change(&self, take: u64, change: impl FnOnce(&mut TakeLine)) {
-        let Ok(mut takes) = self.0.lock() else {
+        let Ok(mut takes) = self.lines.lock() else {
+            return;
+        };
+        match takes.iter_mut().find(|line| line.take == take) {
+            Some(line) => change(line),
+            None => {
+                let mut line = TakeLine {
+                    take,
+                    ..TakeLine::default()
+                };
+                change(&mut line);
+                takes.push_front(line);
+                takes.truncate(TAKES);
+            }
+        }
+        drop(takes);
+        self.changes.send_replace(());
+    }
+
+    /// Changes the line of a take that has one.
+    fn change_known(&self, take: u64, change: impl FnOnce(&mut TakeLine)) {
+        let Ok(mut takes) = self.lines.lock() else {
             return;
         };
         if let Some(line) = takes.iter_mut().find(|line| line.take == take) {
-            return change(line);
+            change(line);
         }
-        let mut line = TakeLine {
-            take,
-            ..TakeLine::default()
-        };
-        change(&mut line);
-        takes.push_front(line);
-        takes.truncate(TAKES);
+        drop(takes);
+        self.changes.send_replace(());
     }
 }
 
@@ -209,5 +255,12 @@ mod tests {
         let pictures = [28, 27, 3].map(|take| history.picture(take).is_some());
         assert_eq!(pictures, [true, false, false]);
         assert!(history.takes()[2].has_picture);
+        // So do motions, and who looks is told.
+        let changes = history.changes();
+        history.keep_motion(28, vec![7; 3]);
+        history.keep_motion(27, vec![7; PICTURE_BYTES + 1]);
+        assert!(changes.has_changed().expect("there"));
+        let motions = [28, 27].map(|take| history.motion(take).map(|glb| glb.len()));
+        assert_eq!(motions, [Some(3), None]);
     }
 }

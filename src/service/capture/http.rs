@@ -7,13 +7,16 @@
 //! | `POST /take` | 202 for an order in JSON that is handed on, 409 and why for one that cannot be obeyed |
 //! | `/health` | 200 `ready`; 503 and what keeps takes from being written, or `draining` once the daemon is told to end |
 //! | `/picture/7.svg` | 200, the motion of take 7, if it is one of the last and has one |
+//! | `/motion/7.glb` | 200, the same as binary glTF, with what was acted, to be played |
 //! | `/metrics` | 200, the text that Prometheus reads |
+//! | `/act` | 200, the acting page, where it is served ([`acting`](super::acting)); `/act/scene.glb` is its scene |
+//! | `/act/socket` | 101, its WebSocket, for a page of this server's own |
 //!
 //! Anything else is refused: another path with 404, another method with 405, a malformed request
 //! with 400, a name that is none of the daemon's with 421 ([`Origins::is_known`]), more than 8 KiB of head or of
 //! body with 431 or 413, an order without the daemon's token, or from a page that is not this server's own, with 403
-//! ([`Director::knows`], [`Origins::may_direct`]). A peer has two seconds for its request; where
-//! more than there are [`GatePlaces`] have not sent theirs, the oldest is closed.
+//! ([`Director::knows`], [`Origins::may_direct`]). A peer has two seconds for its request, and as long for the answer, longer for a
+//! long one; where more than there are [`GatePlaces`] have not sent theirs, the oldest is closed.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -25,6 +28,7 @@ use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
 
+use super::acting::{Acting, Upgraded, derive_accept_key};
 use super::director::{Director, DirectorOrder};
 use super::event::Status;
 use super::gate::{Gate, GatePlaces, Waiting};
@@ -37,15 +41,27 @@ const HEADERS: usize = 64;
 const SHORT_BYTES: usize = 4 << 10;
 const PATIENCE: Duration = Duration::from_secs(2);
 
+/// The slowest that an answer may be taken \[bytes/s\].
+const SLOWEST: usize = 64 << 10;
+
 const PAGE: &str = include_str!("operator.html");
 
 /// What a browser may do with the page: nothing but what is in it, and talk to this server.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
                       connect-src 'self'; img-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
+/// What it may do with the acting page: the same, and draw what it was sent.
+const ACTING_POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
+                             connect-src 'self' blob:; img-src 'self' data: blob:; base-uri 'none'; form-action 'none'; \
+                             frame-ancestors 'none'";
+
 /// What it may do with a picture: show it.
 const PICTURE_POLICY: &str =
     "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'";
+
+/// Where the acting page is asked for and not served.
+const NOT_SERVED: &str =
+    "the acting page is not served: begin `enact capture` with --acting\n";
 
 /// The contents of the pages.
 pub(super) struct Pages {
@@ -55,6 +71,8 @@ pub(super) struct Pages {
     pub(super) stop: Arc<AtomicBool>,
     pub(super) director: Director,
     pub(super) origins: Origins,
+    /// The acting page, if it is served.
+    pub(super) acting: Option<Arc<Acting>>,
 }
 
 /// Listens on an address and answers in tasks of its own; returns the bound address.
@@ -71,10 +89,10 @@ pub(super) async fn serve(
     let serve = move |stream, waiting| {
         let (pages, answered) = (Arc::clone(&pages), Arc::clone(&answered));
         async move {
-            let answer = pages.answer(stream, waiting, &answered);
-            let answer = tokio::time::timeout(PATIENCE, answer).await;
-            if !matches!(answer, Ok(Ok(()))) {
-                pages.metrics.requests_refused.add();
+            match pages.answer(stream, waiting, &answered).await {
+                Ok(None) => {}
+                Ok(Some(upgraded)) => pages.act(upgraded).await,
+                Err(_) => pages.metrics.requests_refused.add(),
             }
         }
     };
@@ -82,23 +100,31 @@ pub(super) async fn serve(
     Ok(address)
 }
 
+/// What comes of a request.
+enum Answer {
+    /// A reply, and the end of the connection.
+    Reply(Reply),
+    /// A WebSocket: its handshake's answer, and where the request ended.
+    Socket { accept: String, head: usize },
+}
+
 /// The reply to a request.
 struct Reply {
     status: &'static str,
     kind: &'static str,
     policy: &'static str,
-    body: Arc<str>,
+    body: Arc<[u8]>,
 }
 
 impl Reply {
     fn text(status: &'static str, body: String) -> Self {
         Self {
             status,
-            ..Self::ok("text/plain; version=0.0.4; charset=utf-8", body)
+            ..Self::ok("text/plain; version=0.0.4; charset=utf-8", body.into_bytes())
         }
     }
 
-    fn ok(kind: &'static str, body: impl Into<Arc<str>>) -> Self {
+    fn ok(kind: &'static str, body: impl Into<Arc<[u8]>>) -> Self {
         Self {
             status: "200 OK",
             kind,
@@ -109,24 +135,66 @@ impl Reply {
 }
 
 impl Pages {
-    /// Takes one request and sends the reply.
-    pub(super) async fn answer(
+    /// Takes one request and sends the reply; what is left of the connection where a WebSocket begins on it.
+    pub(super) async fn answer<S: AsyncRead + AsyncWrite + Unpin>(
         &self,
-        mut stream: impl AsyncRead + AsyncWrite + Unpin,
+        mut stream: S,
         waiting: Waiting,
         answered: &Semaphore,
-    ) -> std::io::Result<()> {
+    ) -> std::io::Result<Option<Upgraded<S>>> {
         let mut request = Vec::new();
-        let reply = loop {
-            if let Some(reply) = self.reply(&request) {
-                break reply;
+        let heard = tokio::time::timeout(PATIENCE, self.hear(&mut stream, &mut request)).await??;
+        let (accept, head) = match heard {
+            Answer::Socket { accept, head } => (accept, head),
+            Answer::Reply(reply) => {
+                self.send(stream, reply, waiting, answered).await?;
+                return Ok(None);
+            }
+        };
+        let answer = format!(
+            "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
+             Sec-WebSocket-Accept: {accept}\r\n\r\n"
+        );
+        tokio::time::timeout(PATIENCE, stream.write_all(answer.as_bytes())).await??;
+        Ok(Some(Upgraded {
+            stream,
+            rest: request.split_off(head),
+            waiting,
+        }))
+    }
+
+    /// Talks with the acting page to the end of its connection.
+    pub(super) async fn act<S: AsyncRead + AsyncWrite + Unpin>(&self, upgraded: Upgraded<S>) {
+        if let Some(acting) = &self.acting {
+            acting.serve(upgraded).await;
+        }
+    }
+
+    /// Reads until there is an answer.
+    async fn hear(
+        &self,
+        stream: &mut (impl AsyncRead + Unpin),
+        request: &mut Vec<u8>,
+    ) -> std::io::Result<Answer> {
+        loop {
+            if let Some(answer) = self.reply(request) {
+                return Ok(answer);
             }
             let mut part = [0; 1024];
             match stream.read(&mut part).await? {
-                0 => break refusal("400 Bad Request"),
+                0 => return Ok(Answer::Reply(refusal("400 Bad Request"))),
                 length => request.extend_from_slice(&part[..length]),
             }
-        };
+        }
+    }
+
+    async fn send(
+        &self,
+        mut stream: impl AsyncWrite + Unpin,
+        reply: Reply,
+        waiting: Waiting,
+        answered: &Semaphore,
+    ) -> std::io::Result<()> {
         // A short reply fits into the system's buffer whether the peer reads or not. Of the peers
         // that are sent long ones only so many can hold a connection.
         let _place = match reply.body.len() > SHORT_BYTES {
@@ -150,23 +218,69 @@ impl Pages {
              Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n\
              Content-Security-Policy: {policy}\r\nConnection: close\r\n\r\n"
         );
-        stream.write_all(head.as_bytes()).await?;
-        stream.write_all(body.as_bytes()).await?;
-        stream.shutdown().await
+        let patience = PATIENCE + Duration::from_secs((length / SLOWEST) as u64);
+        let sent = async {
+            stream.write_all(head.as_bytes()).await?;
+            stream.write_all(&body).await?;
+            stream.shutdown().await
+        };
+        tokio::time::timeout(patience, sent).await?
     }
 
-    /// The reply to a request; `None` while it is incomplete.
-    fn reply(&self, bytes: &[u8]) -> Option<Reply> {
+    /// The answer to a request; `None` while it is incomplete.
+    fn reply(&self, bytes: &[u8]) -> Option<Answer> {
         let mut headers = [httparse::EMPTY_HEADER; HEADERS];
         let mut request = httparse::Request::new(&mut headers);
         let head = match request.parse(bytes) {
             Ok(httparse::Status::Complete(length)) => length,
             Ok(httparse::Status::Partial) if bytes.len() < HEAD_BYTES => return None,
             Ok(httparse::Status::Partial) | Err(httparse::Error::TooManyHeaders) => {
-                return Some(refusal("431 Request Header Fields Too Large"));
+                return Some(Answer::Reply(refusal("431 Request Header Fields Too Large")));
             }
-            Err(_) => return Some(refusal("400 Bad Request")),
+            Err(_) => return Some(Answer::Reply(refusal("400 Bad Request"))),
         };
+        let of = |name| the_header(request.headers, name);
+        let path = request.path.unwrap_or_default();
+        let path = path.split('?').next().unwrap_or_default();
+        let is_get = request.method == Some("GET");
+        if path == "/act/socket" && is_get && self.acting.is_some() && self.origins.is_known(of("host")) {
+            return Some(match self.socket_key(request.headers) {
+                Ok(key) => Answer::Socket {
+                    accept: derive_accept_key(key.as_bytes()),
+                    head,
+                },
+                Err(refused) => Answer::Reply(refused),
+            });
+        }
+        self.page(&request, &bytes[head..], (path, is_get))
+            .map(Answer::Reply)
+    }
+
+    /// The key of a WebSocket's handshake from a page of this server's own.
+    fn socket_key<'h>(&self, headers: &[httparse::Header<'h>]) -> Result<&'h str, Reply> {
+        let header = |name: &str| the_header(headers, name);
+        let (origin, host) = (header("origin"), header("host"));
+        if origin.is_none() || !self.origins.may_direct(origin, host) {
+            return Err(refusal("403 Forbidden"));
+        }
+        let says = |name: &str, word: &str| {
+            let mut words = header(name).unwrap_or_default().split(',');
+            words.any(|said| said.trim().eq_ignore_ascii_case(word))
+        };
+        let is_socket = says("upgrade", "websocket")
+            && says("connection", "upgrade")
+            && says("sec-websocket-version", "13");
+        let key = header("sec-websocket-key").filter(|_| is_socket);
+        key.ok_or_else(|| refusal("400 Bad Request"))
+    }
+
+    /// The reply to a request with that body; `None` while the body is incomplete.
+    fn page(
+        &self,
+        request: &httparse::Request,
+        body: &[u8],
+        (path, is_get): (&str, bool),
+    ) -> Option<Reply> {
         if !self.origins.is_known(the_header(request.headers, "host")) {
             return Some(Reply::text(
                 "421 Misdirected Request",
@@ -175,33 +289,49 @@ impl Pages {
                     .to_owned(),
             ));
         }
-        let path = request.path.unwrap_or_default();
-        let path = path.split('?').next().unwrap_or_default();
-        let is_get = request.method == Some("GET");
         Some(match path {
-            "/take" if request.method == Some("POST") => {
-                return self.take(request.headers, &bytes[head..]);
-            }
+            "/take" if request.method == Some("POST") => return self.take(request.headers, body),
             "/" | "/state" | "/take" | "/health" | "/metrics" if !is_get || path == "/take" => {
                 refusal("405 Method Not Allowed")
             }
-            "/" => Reply::ok("text/html; charset=utf-8", PAGE),
-            "/state" => Reply::ok("application/json", self.state()),
+            "/" => Reply::ok("text/html; charset=utf-8", PAGE.as_bytes()),
+            "/state" => Reply::ok("application/json", self.state().into_bytes()),
             "/health" => self.health(),
             "/metrics" => Reply::text("200 OK", self.metrics.text(&self.status.borrow())),
-            _ => match self.picture(path).filter(|_| is_get) {
-                Some(picture) => Reply {
-                    policy: PICTURE_POLICY,
-                    ..Reply::ok("image/svg+xml", picture)
-                },
-                None => refusal("404 Not Found"),
-            },
+            _ if is_get => self.file(path).unwrap_or_else(|| refusal("404 Not Found")),
+            _ => refusal("404 Not Found"),
         })
     }
 
-    fn picture(&self, path: &str) -> Option<Arc<str>> {
-        let take = path.strip_prefix("/picture/")?.strip_suffix(".svg")?;
-        self.metrics.history.picture(take.parse().ok()?)
+    /// A file of the acting page, or of a take.
+    fn file(&self, path: &str) -> Option<Reply> {
+        let numbered = |before, after| {
+            let number = path.strip_prefix(before)?.strip_suffix(after)?;
+            number.parse::<u64>().ok()
+        };
+        let glb = |bytes| Reply::ok("model/gltf-binary", bytes);
+        if let Some(take) = numbered("/picture/", ".svg") {
+            let picture = self.metrics.history.picture(take)?;
+            return Some(Reply {
+                policy: PICTURE_POLICY,
+                ..Reply::ok("image/svg+xml", picture)
+            });
+        }
+        if let Some(take) = numbered("/motion/", ".glb") {
+            return self.metrics.history.motion(take).map(glb);
+        }
+        let acting = self.acting.as_ref();
+        match path {
+            "/act" => Some(match acting {
+                Some(acting) => Reply {
+                    policy: ACTING_POLICY,
+                    ..Reply::ok("text/html; charset=utf-8", Arc::clone(&acting.html))
+                },
+                None => Reply::text("404 Not Found", NOT_SERVED.to_owned()),
+            }),
+            "/act/scene.glb" => acting.map(|acting| glb(Arc::clone(&acting.scene))),
+            _ => None,
+        }
     }
 
     fn health(&self) -> Reply {

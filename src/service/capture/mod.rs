@@ -111,6 +111,7 @@
 //! off. Started first, the daemon makes the services with its own quality; `enact doctor` lists
 //! existing ones.
 
+mod acting;
 mod daemon;
 mod director;
 mod estimator;
@@ -139,6 +140,7 @@ mod syncer;
 mod take;
 mod viewer;
 
+pub use acting::page::ActingPage;
 pub use daemon::{CaptureJob, capture};
 pub use event::{CaptureEvent, CountsLine, MarkCounts, Status, TrackerLine};
 pub use label::TakeLabel;

@@ -113,6 +113,7 @@ impl Ports {
                 .expect("a runtime"),
             gate: Gate::new("metrics", 1, &metrics),
             pages: Pages {
+                acting: None,
                 metrics,
                 status: status.subscribe(),
                 stop: Arc::new(AtomicBool::new(false)),
@@ -131,7 +132,9 @@ impl Ports {
         let waiting = self.gate.alone();
         let serve = async {
             // A peer that has gone is not answered.
-            let _ = self.pages.answer(ours, waiting, &self.answered).await;
+            if let Ok(Some(upgraded)) = self.pages.answer(ours, waiting, &self.answered).await {
+                self.pages.act(upgraded).await;
+            }
         };
         self.meets(bytes, &[], serve, theirs)
     }

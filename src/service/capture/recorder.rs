@@ -17,6 +17,9 @@ pub(super) use state::Recorder;
 use state::RecorderState;
 use takes::journal;
 
+/// Most of what the acting page sends that is taken in before other trackers are listened to again.
+const ACTED: usize = 512;
+
 impl Recorder {
     /// Journals arrivals until the queue is closed, then closes the take.
     pub(super) fn run(mut self, queue: &Receiver<Vec<Arrival>>, start_now: bool) {
@@ -39,9 +42,20 @@ impl Recorder {
                 Err(RecvTimeoutError::Timeout) => state.behind = Duration::ZERO,
                 Err(RecvTimeoutError::Disconnected) => break,
             }
-            while let Ok(order) = self.orders.try_recv() {
-                self.take_in(&mut state, &order);
-                self.show(&order);
+            for turn in 0..ACTED {
+                // Orders of the operator wait for nobody.
+                while let Ok(order) = self.orders.try_recv() {
+                    self.take_in(&mut state, &order);
+                    self.show(&order);
+                }
+                let Ok(acted) = self.acted.try_recv() else {
+                    break;
+                };
+                if turn == 0 {
+                    state.behind = state.behind.max(acted.at.elapsed());
+                }
+                self.take_in(&mut state, &acted);
+                self.show(&acted);
             }
             self.tick(&mut state, Instant::now());
         }

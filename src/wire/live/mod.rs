@@ -50,6 +50,6 @@ pub use node::{
 };
 pub use payload::{
     AnswerRecord, Command, ControlRecord, EstimateRecord, EstimatedPoseRecord, LabelRecord,
-    MarkRecord, NO_TIME, PoseRecord, TakeRecord, TakeState,
+    MarkRecord, NO_TIME, POSE_BYTES, PoseRecord, TakeRecord, TakeState,
 };
 pub use token::Token;

@@ -14,6 +14,9 @@ pub const NO_TIME: i64 = i64::MIN;
 /// Bit 0 of [`PoseRecord::flags`]: the tracker vouches for the pose.
 pub const VALID: u32 = 1;
 
+/// Bytes of a [`PoseRecord`].
+pub const POSE_BYTES: usize = 96;
+
 /// Bytes for a name: 64 characters of any script.
 pub const NAME_BYTES: usize = 256;
 
@@ -253,6 +256,33 @@ impl PoseRecord {
     /// The pose as sent, with the given stamp; its numbers may not be finite.
     pub fn pose(&self, stamp: Stamp) -> PoseSample {
         PoseSample::new(stamp, self.position_m.into(), self.quaternion_xyzw)
+    }
+
+    /// Whether a bit is set that means nothing.
+    pub fn has_unknown_flags(&self) -> bool {
+        self.flags & !VALID != 0
+    }
+
+    /// The record of its words in their order, little-endian; every bit pattern is one.
+    pub fn of_bytes(bytes: &[u8; POSE_BYTES]) -> Self {
+        let word = |number: usize| {
+            let mut word = [0; 8];
+            word.copy_from_slice(&bytes[8 * number..8 * (number + 1)]);
+            u64::from_le_bytes(word)
+        };
+        let time_ns = |number| word(number).cast_signed();
+        let number = |at| f64::from_bits(word(at));
+        let [flags, session] = [word(11) as u32, (word(11) >> 32) as u32];
+        Self {
+            sequence: word(0),
+            available_ns: time_ns(1),
+            sample_ns: time_ns(2),
+            device_ns: time_ns(3),
+            position_m: [number(4), number(5), number(6)],
+            quaternion_xyzw: [number(7), number(8), number(9), number(10)],
+            flags,
+            session,
+        }
     }
 
     /// The words in their order, little-endian: what a journal keeps.

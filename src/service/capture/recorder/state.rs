@@ -44,6 +44,8 @@ pub(in super::super) struct Recorder {
     pub(in super::super) page: Option<String>,
     /// What the operator's page directs.
     pub(in super::super) orders: Receiver<Arrival>,
+    /// What the acting page sends and directs.
+    pub(in super::super) acted: Receiver<Arrival>,
 }
 
 /// The state of the thread.

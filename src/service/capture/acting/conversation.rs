@@ -1,0 +1,257 @@
+//! A page's connection, from the code to its end.
+
+use std::time::{Duration, Instant};
+
+use futures_util::{SinkExt, StreamExt};
+use tokio::io::{AsyncRead, AsyncWrite};
+use tokio_tungstenite::WebSocketStream;
+use tokio_tungstenite::tungstenite::protocol::CloseFrame;
+use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
+use tokio_tungstenite::tungstenite::{Bytes, Message};
+
+use super::super::director::MarkTimes;
+use super::super::gate::Waiting;
+use super::super::presence::Presence;
+use super::super::take::now_ns;
+use super::allowance::Allowance;
+use super::device_clock::DeviceClock;
+use super::greeting::{refusal_text, state_text};
+use super::message::{PageText, Readings};
+use super::{Acting, READINGS_PER_SECOND, TEXTS_PER_SECOND};
+use crate::ingest::live::{NO_TIME, PoseRecord, Token};
+
+/// How long a page may take to say the code.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// How long it may take for one message.
+const STALL: Duration = Duration::from_secs(10);
+
+/// Interval of pings; a page that has said nothing since the one before the last has gone.
+const PING: Duration = Duration::from_secs(3);
+
+/// How much of what was held up may come at once \[s\].
+const HELD_UP_S: f64 = 2.0;
+
+/// A page that was let in.
+pub(super) struct Conversation<'a, S> {
+    acting: &'a Acting,
+    socket: WebSocketStream<S>,
+    key: Token,
+    session: u32,
+    clock: DeviceClock,
+    readings: Allowance,
+    texts: Allowance,
+}
+
+/// It is over, with what the page is told of it.
+struct Over(&'static str);
+
+impl<'a, S: AsyncRead + AsyncWrite + Unpin> Conversation<'a, S> {
+    /// Lets a page in that knows the code, and listens to it until it goes or is sent away.
+    pub(super) async fn hold(acting: &'a Acting, mut socket: WebSocketStream<S>, waiting: Waiting) {
+        let first = tokio::time::timeout(PATIENCE, socket.next()).await;
+        let key = match first {
+            Ok(Some(Ok(Message::Text(text)))) => let_in(acting, &text),
+            Ok(Some(Ok(_))) => Err("the first message says the code".to_owned()),
+            Ok(Some(Err(_)) | None) | Err(_) => return acting.metrics.requests_refused.add(),
+        };
+        let place = acting.places.try_acquire();
+        let key = key.and_then(|key| match &place {
+            Ok(_) => Ok(key),
+            Err(_) => Err("as many pages act as may: close one".to_owned()),
+        });
+        let key = match key {
+            Ok(key) => key,
+            Err(why) => {
+                acting.metrics.requests_refused.add();
+                let told = async {
+                    let _ = socket.send(Message::text(refusal_text(&why))).await;
+                    let _ = socket.close(None).await;
+                };
+                let _ = tokio::time::timeout(PATIENCE, told).await;
+                return;
+            }
+        };
+        drop(waiting);
+        let now = Instant::now();
+        let mut page = Self {
+            acting,
+            socket,
+            key,
+            session: acting.session(),
+            clock: DeviceClock::default(),
+            readings: Allowance::new(READINGS_PER_SECOND, HELD_UP_S * READINGS_PER_SECOND, now),
+            texts: Allowance::new(TEXTS_PER_SECOND, HELD_UP_S * TEXTS_PER_SECOND, now),
+        };
+        let over = page.run().await;
+        acting.claims.leave(page.session);
+        if let Err(Over(why)) = over {
+            let close = CloseFrame {
+                code: CloseCode::Policy,
+                reason: why.into(),
+            };
+            let _ = tokio::time::timeout(PATIENCE, page.socket.close(Some(close))).await;
+        }
+    }
+
+    async fn run(&mut self) -> Result<(), Over> {
+        let mut status = self.acting.status.clone();
+        let mut takes = self.acting.metrics.history.changes();
+        self.send(self.acting.greeting.text(&self.key)).await?;
+        self.say_state().await?;
+        let mut pings = tokio::time::interval(PING);
+        let mut unanswered = 0;
+        loop {
+            tokio::select! {
+                received = self.socket.next() => {
+                    unanswered = 0;
+                    let refused = match received {
+                        Some(Ok(Message::Binary(bytes))) => self.readings(&bytes)?,
+                        Some(Ok(Message::Text(text))) => self.text(&text)?,
+                        // The pong goes out before more is read.
+                        Some(Ok(Message::Ping(_))) => {
+                            self.count_text()?;
+                            self.flush().await?;
+                            None
+                        }
+                        Some(Ok(Message::Close(_)) | Err(_)) | None => return Ok(()),
+                        Some(Ok(_)) => {
+                            self.count_text()?;
+                            None
+                        }
+                    };
+                    if let Some(why) = refused {
+                        self.send(refusal_text(&why)).await?;
+                    }
+                }
+                // Closed once the recorder has ended.
+                changed = status.changed() => {
+                    if changed.is_err() {
+                        return Err(Over("the daemon ends"));
+                    }
+                    self.say_state().await?;
+                }
+                Ok(()) = takes.changed() => self.say_state().await?,
+                _ = pings.tick() => {
+                    unanswered += 1;
+                    if unanswered > 2 {
+                        return Err(Over("no ping was answered"));
+                    }
+                    self.sent(Message::Ping(Bytes::new())).await?;
+                }
+            }
+        }
+    }
+
+    /// Takes readings in; what is refused, in words.
+    fn readings(&mut self, bytes: &[u8]) -> Result<Option<String>, Over> {
+        let read = match Readings::read(bytes) {
+            Ok(read) => read,
+            Err(error) => return self.count_text().map(|()| Some(error.to_string())),
+        };
+        if !self.readings.take(read.records.len(), Instant::now()) {
+            return Err(Over("more readings than a tracker sends"));
+        }
+        if !self.acting.claims.has(read.stream, self.session) {
+            self.count_text()?;
+            return Ok(Some("this page is not the tracker of that stream".to_owned()));
+        }
+        let receipt_ns = now_ns();
+        for record in read.records {
+            if record.device_ns != NO_TIME {
+                self.clock.arrived(record.device_ns, receipt_ns);
+            }
+            let record = PoseRecord {
+                available_ns: receipt_ns,
+                sample_ns: NO_TIME,
+                session: self.session,
+                ..record
+            };
+            self.acting.director.pose(read.stream, record);
+        }
+        Ok(None)
+    }
+
+    /// Does what a text says; what is refused, in words.
+    fn text(&mut self, text: &str) -> Result<Option<String>, Over> {
+        self.count_text()?;
+        let said = match PageText::read(text) {
+            Ok(said) => said,
+            Err(error) => return Ok(Some(error.to_string())),
+        };
+        let done = match said {
+            PageText::Act { stream } => self.act(stream),
+            PageText::Mark { event, device_ns } => {
+                let times = MarkTimes {
+                    sample_ns: self.clock.receipt_ns(device_ns),
+                    device_ns: Some(device_ns),
+                };
+                self.acting.director.mark(&event, times)
+            }
+            said => match said.order() {
+                Some(order) => self.acting.director.order(&order),
+                None => Err("this page was let in already".to_owned()),
+            },
+        };
+        Ok(done.err())
+    }
+
+    fn act(&self, stream: usize) -> Result<(), String> {
+        let is_sent = {
+            let status = self.acting.status.borrow();
+            let tracker = status.trackers.get(stream);
+            tracker.is_some_and(|tracker| tracker.state == Presence::Sending)
+        };
+        let claims = &self.acting.claims;
+        claims.take(stream, self.key, self.session, is_sent)
+    }
+
+    fn count_text(&mut self) -> Result<(), Over> {
+        match self.texts.take(1, Instant::now()) {
+            true => Ok(()),
+            false => Err(Over("more messages than a page sends")),
+        }
+    }
+
+    async fn say_state(&mut self) -> Result<(), Over> {
+        let metrics = &self.acting.metrics;
+        let troubles = metrics.health.troubles(Instant::now());
+        let takes = metrics.history.takes();
+        let text = state_text(&self.acting.status.borrow(), &troubles, &takes);
+        self.send(text).await
+    }
+
+    async fn send(&mut self, text: String) -> Result<(), Over> {
+        self.sent(Message::text(text)).await
+    }
+
+    async fn sent(&mut self, message: Message) -> Result<(), Over> {
+        let sent = tokio::time::timeout(STALL, self.socket.send(message)).await;
+        taken(sent)
+    }
+
+    async fn flush(&mut self) -> Result<(), Over> {
+        let sent = tokio::time::timeout(STALL, self.socket.flush()).await;
+        taken(sent)
+    }
+}
+
+/// The key of a page whose first message lets it in; else why it does not, in words.
+fn let_in(acting: &Acting, text: &str) -> Result<Token, String> {
+    let paired = match PageText::read(text) {
+        Ok(PageText::Pair { code }) => acting.pairing.pair(&code, Instant::now()),
+        Ok(PageText::Resume { key }) => acting.pairing.resume(&key),
+        Ok(_) => return Err("the first message says the code".to_owned()),
+        Err(error) => return Err(error.to_string()),
+    };
+    paired.map_err(|error| error.to_string())
+}
+
+/// What was sent is taken, or it is over.
+fn taken<T, E, F>(sent: Result<Result<T, E>, F>) -> Result<(), Over> {
+    match sent {
+        Ok(Ok(_)) => Ok(()),
+        Ok(Err(_)) => Err(Over("the connection broke")),
+        Err(_) => Err(Over("this page does not read")),
+    }
+}

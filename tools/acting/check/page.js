@@ -1,0 +1,25 @@
+// What the parts of the check share: pages that are open, and what they say.
+import assert from "node:assert/strict";
+
+/** Opens the acting page as the link says it, and waits until it is paired. Any error of the page fails. */
+export async function acting(browser, daemon, options = {}, prepare = async () => {}) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
+  const page = await context.newPage();
+  const errors = [];
+  page.on("pageerror", (error) => errors.push(error.message));
+  page.on("console", (said) => said.type() === "error" && errors.push(said.text()));
+  await prepare(page);
+  await page.goto(daemon.ready.acting);
+  await page.waitForSelector("body[data-paired=yes]");
+  return { context, page, errors };
+}
+
+/** Waits for the verdict on a take and until its motion is shown; what the page says, and how long it took [ms]. */
+export async function verdictOf(page, take) {
+  await page.waitForFunction((take) => document.body.dataset.motion === String(take), take, { timeout: 60_000 });
+  const said = await page.textContent("#said");
+  const [verdictMs, motionMs] = (await page.evaluate(() => document.body.dataset.afterEnd)).split(" ").map(Number);
+  return { said, verdictMs, motionMs };
+}
+
+export { assert };

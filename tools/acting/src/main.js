@@ -1,0 +1,228 @@
+// The acting page: pairs, is a tracker, and shows what came back.
+import * as THREE from "three";
+import { Link } from "./link.js";
+import { Mouse } from "./mouse.js";
+import { View } from "./view.js";
+
+/** How long after the end what is acted is hidden, so that motion and ghost are seen [s]. */
+const HELP_MOUSE =
+  "Drag the body, wheel: away and near, Q E A D W S: turn, Shift: slowly. Enter begins and ends a take, space marks an event.";
+
+const at = (id) => document.getElementById(id);
+const view = new View(at("stage"));
+const mouse = new Mouse(view.canvas, view.camera, (isHeld) => {
+  if (view.orbit) view.orbit.enabled = !isHeld;
+  if (isHeld) watch(false);
+});
+view.beginOrbit();
+
+/** What was said when it was let in: the scene's streams and events. */
+let told = null;
+/** Which of the streams is acted. */
+let stream = 0;
+/** The take that runs, or none. */
+let take = null;
+/** The take that this page has ended last, and when [ms]. */
+let ended = null;
+/** The take whose motion is shown. */
+let shown = null;
+/** Whether the motion is looked at, not acted. */
+let isWatching = false;
+
+const link = new Link((said) => {
+  if (said.what === "paired") paired(said);
+  else if (said.what === "state") state(said);
+  else if (said.what === "refused") refused(said.why);
+  else gone(said.why);
+});
+
+function say(text, quality = "") {
+  at("said").textContent = text;
+  at("said").className = quality;
+}
+
+/** Shows the motion, or what is acted. */
+function watch(isWatched) {
+  isWatching = isWatched && view.motion !== null;
+  view.played.visible = isWatching;
+  view.showLive(!isWatching);
+  at("replay").hidden = view.motion === null;
+  at("help").hidden = isWatching;
+}
+
+async function paired(said) {
+  at("pairing").hidden = true;
+  told = said;
+  at("scene").textContent = said.scene;
+  at("help").textContent = HELP_MOUSE;
+  const bodies = said.streams.map((of) => of.body);
+  const answer = await fetch("/act/scene.glb");
+  await view.showScene(await answer.arrayBuffer(), bodies);
+  at("stream").replaceChildren(...said.streams.map((of, index) => new Option(of.topic, index)));
+  at("stream").hidden = said.streams.length < 2;
+  act(Math.min(stream, said.streams.length - 1));
+  for (const [index, of] of said.streams.entries()) {
+    const side = 0.25 * (index - (said.streams.length - 1) / 2);
+    const place = view.middle.clone().add(new THREE.Vector3(side - 0.12, 0, view.radiusOf(of.body)));
+    if (index === stream) mouse.place(place, new THREE.Quaternion());
+    view.put(of.body, place, new THREE.Quaternion());
+  }
+  document.body.dataset.paired = "yes";
+}
+
+/** Becomes the tracker of a stream. */
+function act(index) {
+  stream = index;
+  at("stream").value = String(index);
+  link.say({ say: "act", stream });
+}
+
+function gone(why) {
+  at("record").disabled = at("mark").disabled = true;
+  at("now").textContent = why || "the daemon does not answer";
+  delete document.body.dataset.paired;
+  if (!sessionStorage.getItem("enact.acting.key")) at("pairing").hidden = false;
+}
+
+function refused(why) {
+  if (link.isPaired) return say(why, "bad");
+  at("pairing").querySelector(".why").textContent = why;
+  at("pairing").hidden = false;
+}
+
+/** The words of what became of a take, with a class that says how good that is. */
+function became(of) {
+  const quality = of.is_good === null ? "" : of.is_good ? "good" : of.state === "broken" ? "bad" : "poor";
+  return [of.text ? `take ${of.take}: ${of.state}: ${of.text}` : `take ${of.take}: ${of.state}`, quality];
+}
+
+function state(said) {
+  const wasRunning = take !== null;
+  take = said.take;
+  at("record").disabled = false;
+  at("mark").disabled = take === null;
+  at("record").textContent = take === null ? "Record" : "Stop";
+  at("record").className = take === null ? "" : "runs";
+  at("now").textContent = take === null
+    ? said.troubles[0] ?? "no take runs"
+    : `take ${take}: ${said.messages} samples, ${said.marks} marks`;
+  if (take !== null && !wasRunning) {
+    say("");
+    watch(false);
+  }
+  const last = said.takes[0];
+  if (!last || take !== null) return;
+  const [text, quality] = became(last);
+  const isOver = last.is_good !== null;
+  if (isOver && ended?.take === last.take && ended.verdictMs === undefined) {
+    ended.verdictMs = performance.now() - ended.atMs;
+  }
+  say(isOver && ended?.take === last.take ? `${text} (${afterEnd()})` : text, quality);
+  document.body.dataset.verdict = isOver ? `${last.take} ${last.state}` : "";
+  if (last.has_motion && shown !== last.take) play(last);
+}
+
+/** How long verdict and motion took. */
+function afterEnd() {
+  const seconds = (ms) => `${(ms / 1000).toFixed(2)} s`;
+  const motion = ended.motionMs === undefined ? "" : `, its motion ${seconds(ended.motionMs)}`;
+  return `verdict ${seconds(ended.verdictMs)}${motion} after the end`;
+}
+
+async function play(of) {
+  shown = of.take;
+  const answer = await fetch(`/motion/${of.take}.glb`);
+  if (!answer.ok) return;
+  await view.showMotion(await answer.arrayBuffer(), performance.now() / 1000);
+  at("motion").href = `/motion/${of.take}.glb`;
+  at("motion").download = `take-${of.take}.glb`;
+  at("time").max = String(view.motion.duration);
+  watch(true);
+  view.render();
+  if (ended?.take === of.take) {
+    ended.motionMs = performance.now() - ended.atMs;
+    document.body.dataset.afterEnd = `${Math.round(ended.verdictMs)} ${Math.round(ended.motionMs)}`;
+    const [text, quality] = became(of);
+    say(`${text} (${afterEnd()})`, quality);
+  }
+  document.body.dataset.motion = String(of.take);
+}
+
+/** Begins a take, or ends the one that runs. */
+export function record() {
+  if (take === null) return link.say({ say: "start" });
+  ended = { take, atMs: performance.now() };
+  link.say({ say: "stop" });
+}
+
+/** An event happens. @param {number} ms */
+export function mark(ms) {
+  if (take === null) return;
+  link.mark(ms);
+}
+
+at("record").onclick = () => record();
+at("mark").onclick = (event) => mark(event.timeStamp);
+at("stream").onchange = () => act(Number(at("stream").value));
+at("play").onclick = () => {
+  view.isPlaying = !view.isPlaying;
+  watch(true);
+};
+at("time").oninput = () => {
+  view.isPlaying = false;
+  watch(true);
+  view.setTime(Number(at("time").value));
+};
+addEventListener("keydown", (event) => {
+  if (event.target instanceof HTMLInputElement || event.repeat) return;
+  if (event.code === "Space") mark(event.timeStamp);
+  else if (event.code === "Enter") record();
+  else return;
+  event.preventDefault();
+  document.activeElement?.blur();
+});
+at("pairing").querySelector("form").onsubmit = (event) => {
+  event.preventDefault();
+  at("pairing").querySelector(".why").textContent = "";
+  link.pair(at("code").value);
+};
+
+/** The tracker is where its body is and how it is mounted there. */
+function reading(of, position, turn, deviceMs) {
+  const mount = new THREE.Quaternion(...of.quaternion_xyzw);
+  const tracker = new THREE.Vector3(...of.position_m).applyQuaternion(turn).add(position);
+  return { deviceMs, position: tracker.toArray(), quaternion: turn.clone().multiply(mount).toArray(), isValid: true };
+}
+
+let lastMs = null;
+view.renderer.setAnimationLoop((ms) => {
+  const span = lastMs === null ? 0 : Math.min(0.1, (ms - lastMs) / 1000);
+  lastMs = ms;
+  if (told && span > 0) {
+    const of = told.streams[stream];
+    mouse.advance(span);
+    view.put(of.body, mouse.position, mouse.turn);
+    link.send(stream, [reading(of, mouse.position, mouse.turn, ms)]);
+  }
+  if (isWatching) {
+    view.advance(ms / 1000);
+    at("time").value = String(view.motion.time);
+    at("clock").textContent = `${view.motion.time.toFixed(2)} s`;
+    at("play").textContent = view.isPlaying ? "Pause" : "Play";
+  }
+  view.render();
+});
+
+// For who looks from outside, as the browser's check does.
+window.enactSeenAt = () => mouse.seenAt();
+window.enactPixelsPerRadius = () => view.pixelsPer(mouse.position) * view.radius;
+
+// The link that the daemon prints has the code after #, where browsers keep it to themselves.
+const code = new URLSearchParams(location.hash.slice(1)).get("code");
+if (code) {
+  history.replaceState(null, "", location.pathname);
+  at("code").value = code;
+  link.pair(code);
+} else {
+  link.resume();
+}
