@@ -24,7 +24,7 @@ async function daemon() {
   const prefix = `enact_acting_${process.pid}_`;
   await writeFile(iceoryx2, `[global]\nroot-path = "${folder}/iceoryx2/"\nprefix = "${prefix}"\n`);
   const child = spawn(enact, [
-    "capture", join(root, "config/pencil_tip.toml"), `--acting=${join(home, "dist/acting.html")}`, "--metrics-port", "0",
+    "capture", join(root, "config/ball.toml"), `--acting=${join(home, "dist/acting.html")}`, "--metrics-port", "0",
     "-o", join(folder, "takes"), "--iceoryx2", iceoryx2, "--format", "ndjson",
   ], { stdio: ["ignore", "pipe", "inherit"] });
   const said = [];

@@ -1,44 +1,54 @@
-// The mouse path: a pencil is dragged onto its tip, bounces, tumbles and is put into the mug, by pointer events and keys.
+// The mouse path: a ball is dragged onto the table, bounces and is put into a bowl, by pointer events and keys.
 import { acting, assert, verdictOf } from "./page.js";
 
-/** Where the pointer goes in the plane that it drags in, in radii of the view from the body's first place, over time [s]. */
-const PATH = [
-  // The pencil falls on its tip.
-  { untilS: 0.9, toX: 0.02, toY: -0.2 },
-  // It bounces up, over and into the mug.
-  { untilS: 1.6, toX: 0.1, toY: 0.14 },
-  { untilS: 2.5, toX: 0.16, toY: -0.1 },
-];
+/** How much slower than it would happen it is acted. */
+const SLOW = 3;
+
+const GRAVITY_M_S2 = 9.81;
+const RADIUS_M = 0.03;
+const RESTITUTION = 0.8;
+const BOWL = { x: 0.15, z: 0.05 };
+
+/** Where a ball that is let go there is after so long: the throw that ends in the bowl. */
+function ballistic(start) {
+  const fallS = Math.sqrt((2 * (start.z - RADIUS_M)) / GRAVITY_M_S2);
+  const up = RESTITUTION * GRAVITY_M_S2 * fallS;
+  const flyS = (up + Math.sqrt(up * up - 2 * GRAVITY_M_S2 * (BOWL.z - RADIUS_M))) / GRAVITY_M_S2;
+  const across = (BOWL.x - start.x) / (fallS + flyS);
+  const place = (time) => {
+    const after = time - fallS;
+    const z = after < 0
+      ? start.z - 0.5 * GRAVITY_M_S2 * time * time
+      : RADIUS_M + up * after - 0.5 * GRAVITY_M_S2 * after * after;
+    return { x: start.x + across * time, z };
+  };
+  return { fallS, endS: fallS + flyS, place };
+}
 
 export async function mouseTake({ browser, daemon }) {
   const { context, page, errors } = await acting(browser, daemon);
   const seen = await page.evaluate(() => window.enactSeenAt());
-  const scale = await page.evaluate(() => window.enactPixelsPerRadius());
+  const start = await page.evaluate(() => window.enactBody());
+  const { fallS, endS, place } = ballistic(start);
   await page.mouse.move(seen.x, seen.y);
   await page.mouse.down();
-  await page.waitForTimeout(300);
+  await page.waitForTimeout(200);
   await page.keyboard.press("Enter");
   const { take } = await daemon.wait("started");
   await page.waitForFunction(() => document.querySelector("#record").textContent === "Stop");
   const begun = Date.now();
-  let [from, fromX, fromY] = [0, 0, 0];
-  for (const [index, { untilS, toX, toY }] of PATH.entries()) {
-    for (;;) {
-      const time = (Date.now() - begun) / 1000;
-      const share = Math.min(1, (time - from) / (untilS - from));
-      // A fall is fast at its end, a rise at its beginning.
-      const along = index === 0 || index === 2 ? share * share : 1 - (1 - share) * (1 - share);
-      await page.mouse.move(seen.x + scale * (fromX + share * (toX - fromX)), seen.y - scale * (fromY + along * (toY - fromY)));
-      if (share >= 1) break;
-      await page.waitForTimeout(8);
-    }
-    [from, fromX, fromY] = [untilS, toX, toY];
-    if (index === 0) {
+  let isMarked = false;
+  for (let time = 0; time < endS; ) {
+    time = Math.min(endS, (Date.now() - begun) / 1000 / SLOW);
+    const { x, z } = place(time);
+    await page.mouse.move(seen.x + start.pixelsPerMetre * (x - start.x), seen.y - start.pixelsPerMetre * (z - start.z));
+    if (!isMarked && time > fallS + 0.01) {
+      isMarked = true;
       await page.keyboard.press("Space");
-      await page.keyboard.down("KeyE");
     }
+    await page.waitForTimeout(4);
   }
-  await page.keyboard.up("KeyE");
+  await page.waitForTimeout(60);
   await page.keyboard.press("Space");
   await page.waitForTimeout(60);
   await page.keyboard.press("Enter");

@@ -4,7 +4,6 @@ import { Link } from "./link.js";
 import { Mouse } from "./mouse.js";
 import { View } from "./view.js";
 
-/** How long after the end what is acted is hidden, so that motion and ghost are seen [s]. */
 const HELP_MOUSE =
   "Drag the body, wheel: away and near, Q E A D W S: turn, Shift: slowly. Enter begins and ends a take, space marks an event.";
 
@@ -62,11 +61,12 @@ async function paired(said) {
   at("stream").hidden = said.streams.length < 2;
   act(Math.min(stream, said.streams.length - 1));
   for (const [index, of] of said.streams.entries()) {
-    const side = 0.25 * (index - (said.streams.length - 1) / 2);
-    const place = view.middle.clone().add(new THREE.Vector3(side - 0.12, 0, view.radiusOf(of.body)));
+    const side = 0.25 * index - 0.6 * view.radius;
+    const place = view.middle.clone().add(new THREE.Vector3(side, 0, 0.4 * view.radius));
     if (index === stream) mouse.place(place, new THREE.Quaternion());
     view.put(of.body, place, new THREE.Quaternion());
   }
+  watch(isWatching);
   document.body.dataset.paired = "yes";
 }
 
@@ -194,15 +194,13 @@ function reading(of, position, turn, deviceMs) {
   return { deviceMs, position: tracker.toArray(), quaternion: turn.clone().multiply(mount).toArray(), isValid: true };
 }
 
-let lastMs = null;
 view.renderer.setAnimationLoop((ms) => {
-  const span = lastMs === null ? 0 : Math.min(0.1, (ms - lastMs) / 1000);
-  lastMs = ms;
-  if (told && span > 0) {
+  if (told) {
     const of = told.streams[stream];
-    mouse.advance(span);
+    const readings = [];
+    mouse.advanceTo(ms, (atMs) => readings.push(reading(of, mouse.position, mouse.turn, atMs)));
     view.put(of.body, mouse.position, mouse.turn);
-    link.send(stream, [reading(of, mouse.position, mouse.turn, ms)]);
+    link.send(stream, readings);
   }
   if (isWatching) {
     view.advance(ms / 1000);
@@ -215,7 +213,7 @@ view.renderer.setAnimationLoop((ms) => {
 
 // For who looks from outside, as the browser's check does.
 window.enactSeenAt = () => mouse.seenAt();
-window.enactPixelsPerRadius = () => view.pixelsPer(mouse.position) * view.radius;
+window.enactBody = () => ({ ...mouse.position, pixelsPerMetre: view.pixelsPer(mouse.position) });
 
 // The link that the daemon prints has the code after #, where browsers keep it to themselves.
 const code = new URLSearchParams(location.hash.slice(1)).get("code");

@@ -1,6 +1,12 @@
 // A mouse as a tracker: a body is dragged, pushed away and pulled near by the wheel, and turned by keys.
 import * as THREE from "three";
 
+/** Readings a second, whatever the screen does: the body goes smoothly between what the pointer says. */
+const RATE_HZ = 120;
+
+/** After a longer pause, of a page that was hidden, readings begin anew [ms]. */
+const PAUSE_MS = 500;
+
 /** How fast the body follows the pointer: the time in which a third of the way is left [s]. */
 const FOLLOW_S = 0.045;
 
@@ -39,12 +45,17 @@ export class Mouse {
     this.keys = new Set();
     this.pointer = null;
     this.offset = new THREE.Vector3();
+    /** Where the pointer has it, before the body has gone there [m]. */
+    this.heldAt = this.wanted.clone();
+    /** Until when the body has gone [ms], and what happened since then, with its time. */
+    this.atMs = null;
+    this.happened = [];
     canvas.addEventListener("pointerdown", (event) => this.#take(event));
     canvas.addEventListener("pointermove", (event) => this.#drag(event));
     for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (event) => this.#release(event));
     canvas.addEventListener("wheel", (event) => this.#push(event), { passive: false });
-    addEventListener("keydown", (event) => this.keys.add(event.code));
-    addEventListener("keyup", (event) => this.keys.delete(event.code));
+    addEventListener("keydown", (event) => this.#later(event, () => this.keys.add(event.code)));
+    addEventListener("keyup", (event) => this.#later(event, () => this.keys.delete(event.code)));
     addEventListener("blur", () => this.keys.clear());
   }
 
@@ -55,6 +66,11 @@ export class Mouse {
     this.speed.set(0, 0, 0);
     this.turn.copy(turn);
     this.spin.set(0, 0, 0);
+  }
+
+  /** Happens to the body at its time, in turn. */
+  #later(event, what) {
+    this.happened.push({ atMs: event.timeStamp, what });
   }
 
   /** Where the pointer is in the plane through a point that faces the viewer. */
@@ -84,6 +100,7 @@ export class Mouse {
     const under = isNear && event.button === 0 ? this.#under(event, this.wanted) : null;
     if (!under) return;
     this.pointer = event.pointerId;
+    this.heldAt = this.wanted.clone();
     this.offset.subVectors(this.wanted, under);
     this.canvas.setPointerCapture(event.pointerId);
     // What is told comes before the view's own use of the pointer.
@@ -93,8 +110,15 @@ export class Mouse {
 
   #drag(event) {
     if (event.pointerId !== this.pointer) return;
-    const under = this.#under(event, this.wanted);
-    if (under) this.wanted.addVectors(under, this.offset);
+    // What came between two frames of the screen has times of its own.
+    const between = event.getCoalescedEvents?.() ?? [];
+    for (const part of between.length > 0 ? between : [event]) {
+      const under = this.#under(part, this.heldAt);
+      if (!under) continue;
+      const to = under.add(this.offset);
+      this.heldAt = to.clone();
+      this.#later(part, () => this.wanted.copy(to));
+    }
   }
 
   #release(event) {
@@ -107,12 +131,30 @@ export class Mouse {
     if (this.pointer === null) return;
     event.preventDefault();
     event.stopImmediatePropagation();
-    const facing = this.camera.getWorldDirection(new THREE.Vector3());
-    this.wanted.addScaledVector(facing, -event.deltaY * WHEEL_M);
+    const away = this.camera.getWorldDirection(new THREE.Vector3()).multiplyScalar(-event.deltaY * WHEEL_M);
+    this.heldAt.add(away);
+    this.#later(event, () => this.wanted.add(away));
+  }
+
+  /**
+   * Goes on until that time, in even steps.
+   * @param {number} ms
+   * @param {(atMs: number) => void} step told of each
+   */
+  advanceTo(ms, step) {
+    const stepMs = 1000 / RATE_HZ;
+    if (this.atMs === null || ms - this.atMs > PAUSE_MS) this.atMs = ms - stepMs;
+    this.happened.sort((one, other) => one.atMs - other.atMs);
+    while (this.atMs + stepMs <= ms) {
+      this.atMs += stepMs;
+      while (this.happened.length > 0 && this.happened[0].atMs <= this.atMs) this.happened.shift().what();
+      this.#advance(stepMs / 1000);
+      step(this.atMs);
+    }
   }
 
   /** Follows the pointer and the keys for a while [s]. */
-  advance(span) {
+  #advance(span) {
     // Critically damped, exactly: of any step the same path.
     const rate = 1 / FOLLOW_S;
     const decay = Math.exp(-rate * span);

@@ -111,17 +111,11 @@ export class View {
     const fixed = new THREE.Box3();
     for (const node of this.fixed.children) if (![...this.live.values()].includes(node)) fixed.expandByObject(node);
     const size = fixed.isEmpty() ? new THREE.Vector3(0.4, 0.4, 0.4) : fixed.getSize(new THREE.Vector3());
-    this.radius = Math.min(2, Math.max(0.35, 0.6 * size.length()));
+    this.radius = Math.min(2, Math.max(0.4, 0.7 * size.length()));
     if (!fixed.isEmpty()) fixed.getCenter(this.middle);
     this.middle.z += 0.45 * this.radius;
     this.#look();
     this.#fit();
-  }
-
-  /** @param {string} body */
-  radiusOf(body) {
-    const node = this.live.get(body);
-    return node ? new THREE.Box3().setFromObject(node).getSize(new THREE.Vector3()).length() / 2 : 0.1;
   }
 
   /** Pixels of the window that a metre takes there. @param {THREE.Vector3} at */
