@@ -8,7 +8,8 @@ use super::exit::Exit;
 use super::output;
 use crate::report::plain;
 use crate::service::capture::{
-    ActingPage, CaptureEvent, CaptureJob, CountsLine, Presence, Status, TakeLabel, TrackerState, capture,
+    ActingPage, CaptureEvent, CaptureJob, CountsLine, Presence, Status, TakeLabel, TrackerState,
+    capture,
 };
 
 pub(super) fn run(arguments: CaptureArguments, verbose: bool) -> anyhow::Result<Exit> {

@@ -95,10 +95,7 @@ const PLAYED_HZ: f64 = 60.0;
 /// What pages show of the motion of an estimate: first it as glTF, with what was acted, for who plays it; then the picture, as
 /// an SVG file. `None`, and nothing to play, where it has no motion.
 #[cfg(feature = "live")]
-pub(super) fn shown(
-    input: &Path,
-    play: impl FnOnce(Vec<u8>),
-) -> anyhow::Result<Option<String>> {
+pub(super) fn shown(input: &Path, play: impl FnOnce(Vec<u8>)) -> anyhow::Result<Option<String>> {
     let read = ReadBack::open(input)?;
     let bodies = exported_bodies(&read.scene, &read.motion, PLAYED_HZ, true);
     if !bodies.is_empty() {

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use foxglove::Decode;
 use foxglove::messages::{FrameTransforms, PoseInFrame, SceneUpdate};
 
+mod acting;
 mod crowd;
 mod descriptors;
 mod health;

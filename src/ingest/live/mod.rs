@@ -20,7 +20,6 @@ pub use stream::{Stream, Streamed, stamp_mark};
 pub use crate::wire::live::{
     ANSWER_SERVICE, CONTROL_SERVICE, Command, ControlRecord, DaemonLock, DaemonProcess,
     ESTIMATE_SERVICE, LABEL_SERVICE, LabelRecord, LiveError, MarkRecord, NO_TIME, Node, POSE_BYTES,
-    PoseRecord,
-    Quality, TAKE_SERVICE, TakeRecord, TakeState, Token, census, running_daemon, service_name,
-    token_of_daemon, topic_of_service,
+    PoseRecord, Quality, TAKE_SERVICE, TakeRecord, TakeState, Token, census, running_daemon,
+    service_name, token_of_daemon, topic_of_service,
 };

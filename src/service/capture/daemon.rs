@@ -314,7 +314,8 @@ impl Running {
         // Nothing has started yet except threads that wait on their queues.
         let served = match doors
             .open(status.clone(), shown, [order_sender, acted_sender])
-            .await {
+            .await
+        {
             Ok(served) => served,
             Err(error) => {
                 stop.store(true, Ordering::Relaxed);

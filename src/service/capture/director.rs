@@ -11,8 +11,7 @@ use super::event::Status;
 use super::recorder::event_names;
 use super::take::now_ns;
 use crate::ingest::live::{
-    Arrival, Arrived, Command, ControlRecord, LabelRecord, MarkRecord, NO_TIME, PoseRecord,
-    Token,
+    Arrival, Arrived, Command, ControlRecord, LabelRecord, MarkRecord, NO_TIME, PoseRecord, Token,
 };
 use crate::motion::Scene;
 

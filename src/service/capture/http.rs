@@ -60,8 +60,7 @@ const PICTURE_POLICY: &str =
     "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'";
 
 /// Where the acting page is asked for and not served.
-const NOT_SERVED: &str =
-    "the acting page is not served: begin `enact capture` with --acting\n";
+const NOT_SERVED: &str = "the acting page is not served: begin `enact capture` with --acting\n";
 
 /// The contents of the pages.
 pub(super) struct Pages {
@@ -120,7 +119,10 @@ impl Reply {
     fn text(status: &'static str, body: String) -> Self {
         Self {
             status,
-            ..Self::ok("text/plain; version=0.0.4; charset=utf-8", body.into_bytes())
+            ..Self::ok(
+                "text/plain; version=0.0.4; charset=utf-8",
+                body.into_bytes(),
+            )
         }
     }
 
@@ -235,7 +237,9 @@ impl Pages {
             Ok(httparse::Status::Complete(length)) => length,
             Ok(httparse::Status::Partial) if bytes.len() < HEAD_BYTES => return None,
             Ok(httparse::Status::Partial) | Err(httparse::Error::TooManyHeaders) => {
-                return Some(Answer::Reply(refusal("431 Request Header Fields Too Large")));
+                return Some(Answer::Reply(refusal(
+                    "431 Request Header Fields Too Large",
+                )));
             }
             Err(_) => return Some(Answer::Reply(refusal("400 Bad Request"))),
         };
@@ -243,7 +247,11 @@ impl Pages {
         let path = request.path.unwrap_or_default();
         let path = path.split('?').next().unwrap_or_default();
         let is_get = request.method == Some("GET");
-        if path == "/act/socket" && is_get && self.acting.is_some() && self.origins.is_known(of("host")) {
+        if path == "/act/socket"
+            && is_get
+            && self.acting.is_some()
+            && self.origins.is_known(of("host"))
+        {
             return Some(match self.socket_key(request.headers) {
                 Ok(key) => Answer::Socket {
                     accept: derive_accept_key(key.as_bytes()),

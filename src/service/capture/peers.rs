@@ -10,6 +10,8 @@ use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt, DuplexStream
 use tokio::runtime::Runtime;
 use tokio::sync::{Semaphore, watch};
 
+use super::acting::pairing::Pairing;
+use super::acting::{Acting, ActingParts};
 use super::director::Director;
 use super::event::Status;
 use super::gate::Gate;
@@ -33,6 +35,24 @@ pub const HANDSHAKE_BYTES: usize = (64 << 10) + 4 * WAY_BYTES;
 pub const HANDSHAKE: &[u8] = b"GET / HTTP/1.1\r\nHost: localhost:8765\r\nUpgrade: websocket\r\n\
     Connection: Upgrade\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\
     Sec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: foxglove.sdk.v1\r\n\r\n";
+
+/// The acting page's request for its WebSocket.
+pub const ACTING_HANDSHAKE: &[u8] = b"GET /act/socket HTTP/1.1\r\nHost: localhost:9464\r\n\
+    Origin: http://localhost:9464\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
+    Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n";
+
+/// What who acts must know.
+pub const CODE: &str = "042137";
+
+/// A frame of a page, masked with zeros.
+pub fn page_frame(opcode: u8, data: &[u8]) -> Vec<u8> {
+    let mut frame = vec![0x80 | opcode, 0x80 | 126];
+    let length = u16::try_from(data.len()).unwrap_or(u16::MAX);
+    frame.extend(length.to_be_bytes());
+    frame.extend([0; 4]);
+    frame.extend(data);
+    frame
+}
 
 /// What who directs these servers must know.
 pub const TOKEN: &str = "000102030405060708090a0b0c0d0e0f";
@@ -105,7 +125,21 @@ impl Ports {
             ..Status::default()
         });
         let (order_sender, orders) = sync_channel(64);
-        let audience = Audience::new(&scene, &stream_topics(&scene), Origins::default(), &metrics);
+        let topics = stream_topics(&scene);
+        let director = || {
+            let orders = order_sender.clone();
+            Director::new(&scene, orders, status.subscribe(), token)
+        };
+        let acting = Acting::new(ActingParts {
+            html: b"<!doctype html>".as_slice().into(),
+            pairing: Pairing::with_code(CODE.to_owned()),
+            scene: &scene,
+            topics: &topics,
+            director: director(),
+            status: status.subscribe(),
+            metrics: Arc::clone(&metrics),
+        });
+        let audience = Audience::new(&scene, &topics, Origins::default(), &metrics);
         Self {
             runtime: tokio::runtime::Builder::new_current_thread()
                 .enable_time()
@@ -113,11 +147,11 @@ impl Ports {
                 .expect("a runtime"),
             gate: Gate::new("metrics", 1, &metrics),
             pages: Pages {
-                acting: None,
+                acting: Some(Arc::new(acting)),
                 metrics,
                 status: status.subscribe(),
                 stop: Arc::new(AtomicBool::new(false)),
-                director: Director::new(&scene, order_sender, status.subscribe(), token),
+                director: director(),
                 origins: Origins::default(),
             },
             answered: Semaphore::new(1),
@@ -128,6 +162,11 @@ impl Ports {
 
     /// A peer at the page's port that says this and then no more.
     pub fn asks(&self, bytes: &[u8]) -> Met {
+        self.acts(bytes, &[])
+    }
+
+    /// A peer at the page's port that says the first, then once it is answered the second and then no more.
+    pub fn acts(&self, first: &[u8], then: &[u8]) -> Met {
         let (ours, theirs) = tokio::io::duplex(WAY_BYTES);
         let waiting = self.gate.alone();
         let serve = async {
@@ -136,7 +175,7 @@ impl Ports {
                 self.pages.act(upgraded).await;
             }
         };
-        self.meets(bytes, &[], serve, theirs)
+        self.meets(first, then, serve, theirs)
     }
 
     /// A peer at the viewers' port that says the first, then once it is answered the second and then no more, while

@@ -9,13 +9,14 @@ import { mkdir, writeFile } from "node:fs/promises";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
+import { headsetTake } from "./headset.js";
 import { mouseTake } from "./mouse.js";
 import { pictures } from "./pictures.js";
 
 const home = dirname(dirname(fileURLToPath(import.meta.url)));
 const root = dirname(dirname(home));
 const [enact, executablePath, folder, ...wanted] = process.argv.slice(2);
-const PARTS = { mouse: mouseTake, pictures };
+const PARTS = { mouse: mouseTake, headset: headsetTake, pictures };
 
 /** A daemon with an iceoryx2 of its own, and what it says. */
 async function daemon() {

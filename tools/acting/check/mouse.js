@@ -1,35 +1,12 @@
 // The mouse path: a ball is dragged onto the table, bounces and is put into a bowl, by pointer events and keys.
 import { acting, assert, verdictOf } from "./page.js";
-
-/** How much slower than it would happen it is acted. */
-const SLOW = 3;
-
-const GRAVITY_M_S2 = 9.81;
-const RADIUS_M = 0.03;
-const RESTITUTION = 0.8;
-const BOWL = { x: 0.15, z: 0.05 };
-
-/** Where a ball that is let go there is after so long: the throw that ends in the bowl. */
-function ballistic(start) {
-  const fallS = Math.sqrt((2 * (start.z - RADIUS_M)) / GRAVITY_M_S2);
-  const up = RESTITUTION * GRAVITY_M_S2 * fallS;
-  const flyS = (up + Math.sqrt(up * up - 2 * GRAVITY_M_S2 * (BOWL.z - RADIUS_M))) / GRAVITY_M_S2;
-  const across = (BOWL.x - start.x) / (fallS + flyS);
-  const place = (time) => {
-    const after = time - fallS;
-    const z = after < 0
-      ? start.z - 0.5 * GRAVITY_M_S2 * time * time
-      : RADIUS_M + up * after - 0.5 * GRAVITY_M_S2 * after * after;
-    return { x: start.x + across * time, z };
-  };
-  return { fallS, endS: fallS + flyS, place };
-}
+import { SLOW, throwFrom } from "./throws.js";
 
 export async function mouseTake({ browser, daemon }) {
   const { context, page, errors } = await acting(browser, daemon);
   const seen = await page.evaluate(() => window.enactSeenAt());
   const start = await page.evaluate(() => window.enactBody());
-  const { fallS, endS, place } = ballistic(start);
+  const { fallS, endS, place } = throwFrom(start);
   await page.mouse.move(seen.x, seen.y);
   await page.mouse.down();
   await page.waitForTimeout(200);
@@ -59,12 +36,13 @@ export async function mouseTake({ browser, daemon }) {
   assert.equal(tracker.counts.missing, 0);
   assert.equal(tracker.clock.source, "device");
   const estimated = await daemon.wait("estimated", (of) => of.take === take);
+  assert.equal(estimated.report.verdict, "physical");
   const { said, verdictMs, motionMs } = await verdictOf(page, take);
   assert.deepEqual(errors, []);
   await context.close();
   return [
     `take ${take}: ${tracker.counts.received} samples, ${closed.counts.marks.received} marks, none missing`,
-    `the daemon says ${estimated.report.verdict ?? estimated.report.estimate?.verdict}; the page says: ${said}`,
+    `the daemon says ${estimated.report.verdict}; the page says: ${said}`,
     `verdict ${verdictMs} ms, motion ${motionMs} ms after the end`,
   ];
 }

@@ -6,8 +6,12 @@ export async function acting(browser, daemon, options = {}, prepare = async () =
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
   const page = await context.newPage();
   const errors = [];
-  page.on("pageerror", (error) => errors.push(error.message));
-  page.on("console", (said) => said.type() === "error" && errors.push(said.text()));
+  const fails = (text) => {
+    errors.push(text);
+    console.log(`the page: ${text}`);
+  };
+  page.on("pageerror", (error) => fails(error.stack));
+  page.on("console", (said) => said.type() === "error" && fails(said.text()));
   await prepare(page);
   await page.goto(daemon.ready.acting);
   await page.waitForSelector("body[data-paired=yes]");
@@ -16,7 +20,7 @@ export async function acting(browser, daemon, options = {}, prepare = async () =
 
 /** Waits for the verdict on a take and until its motion is shown; what the page says, and how long it took [ms]. */
 export async function verdictOf(page, take) {
-  await page.waitForFunction((take) => document.body.dataset.motion === String(take), take, { timeout: 60_000 });
+  await page.waitForFunction((take) => document.body.dataset.motion === String(take), take, { timeout: 30_000 });
   const said = await page.textContent("#said");
   const [verdictMs, motionMs] = (await page.evaluate(() => document.body.dataset.afterEnd)).split(" ").map(Number);
   return { said, verdictMs, motionMs };

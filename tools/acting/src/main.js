@@ -1,5 +1,6 @@
 // The acting page: pairs, is a tracker, and shows what came back.
 import * as THREE from "three";
+import { Headset, modes } from "./headset.js";
 import { Link } from "./link.js";
 import { Mouse } from "./mouse.js";
 import { View } from "./view.js";
@@ -17,8 +18,9 @@ view.beginOrbit();
 
 /** What was said when it was let in: the scene's streams and events. */
 let told = null;
-/** Which of the streams is acted. */
+/** Which of the streams is acted by the mouse or the first tracker, and all that this page asked for. */
 let stream = 0;
+const acted = new Set();
 /** The take that runs, or none. */
 let take = null;
 /** The take that this page has ended last, and when [ms]. */
@@ -35,9 +37,44 @@ const link = new Link((said) => {
   else gone(said.why);
 });
 
+const headset = new Headset(view, {
+  readings: (tracked, ms) => {
+    for (const { tracker, position, turn, isValid } of tracked) {
+      const index = streamOf(tracker);
+      if (index === null) continue;
+      const reading = { deviceMs: ms, position: position.toArray(), quaternion: turn.toArray(), isValid };
+      link.send(index, [reading]);
+      put(told.streams[index], position, turn);
+    }
+  },
+  mark: (ms) => (take === null ? watch(false) : mark(ms)),
+  take: () => record(),
+  over: () => {
+    document.body.dataset.room = "";
+    placeBodies();
+  },
+});
+
 function say(text, quality = "") {
   at("said").textContent = text;
   at("said").className = quality;
+  view.tell(text, { good: "#57c878", poor: "#e0a144", bad: "#ff7b72" }[quality] ?? "#e8eaee");
+}
+
+/** The stream that a tracker is of: the one that was chosen, and for the other hand the next one, if there is one. */
+function streamOf(tracker) {
+  if (!told || tracker >= told.streams.length) return null;
+  const index = (stream + tracker) % told.streams.length;
+  if (!acted.has(index)) act(index);
+  return index;
+}
+
+/** Shows a body where its tracker says. */
+function put(of, position, turn) {
+  const mount = new THREE.Quaternion(...of.quaternion_xyzw);
+  const body = turn.clone().multiply(mount.invert());
+  const place = position.clone().sub(new THREE.Vector3(...of.position_m).applyQuaternion(body));
+  view.put(of.body, place, body);
 }
 
 /** Shows the motion, or what is acted. */
@@ -59,22 +96,34 @@ async function paired(said) {
   await view.showScene(await answer.arrayBuffer(), bodies);
   at("stream").replaceChildren(...said.streams.map((of, index) => new Option(of.topic, index)));
   at("stream").hidden = said.streams.length < 2;
-  act(Math.min(stream, said.streams.length - 1));
-  for (const [index, of] of said.streams.entries()) {
+  acted.clear();
+  choose(Math.min(stream, said.streams.length - 1));
+  placeBodies();
+  watch(isWatching);
+  document.body.dataset.paired = "yes";
+}
+
+/** Puts the bodies where a mouse takes them. */
+function placeBodies() {
+  for (const [index, of] of told.streams.entries()) {
     const side = 0.25 * index - 0.6 * view.radius;
     const place = view.middle.clone().add(new THREE.Vector3(side, 0, 0.4 * view.radius));
     if (index === stream) mouse.place(place, new THREE.Quaternion());
     view.put(of.body, place, new THREE.Quaternion());
   }
-  watch(isWatching);
-  document.body.dataset.paired = "yes";
 }
 
-/** Becomes the tracker of a stream. */
+/** Becomes the tracker of a stream, too. */
 function act(index) {
+  acted.add(index);
+  link.say({ say: "act", stream: index });
+}
+
+/** Chooses the stream that is acted. */
+function choose(index) {
   stream = index;
   at("stream").value = String(index);
-  link.say({ say: "act", stream });
+  act(index);
 }
 
 function gone(why) {
@@ -92,6 +141,7 @@ function refused(why) {
 
 /** The words of what became of a take, with a class that says how good that is. */
 function became(of) {
+  if (of.is_good) return [`take ${of.take}: ${of.state}`, "good"];
   const quality = of.is_good === null ? "" : of.is_good ? "good" : of.state === "broken" ? "bad" : "poor";
   return [of.text ? `take ${of.take}: ${of.state}: ${of.text}` : `take ${of.take}: ${of.state}`, quality];
 }
@@ -163,7 +213,7 @@ export function mark(ms) {
 
 at("record").onclick = () => record();
 at("mark").onclick = (event) => mark(event.timeStamp);
-at("stream").onchange = () => act(Number(at("stream").value));
+at("stream").onchange = () => choose(Number(at("stream").value));
 at("play").onclick = () => {
   view.isPlaying = !view.isPlaying;
   watch(true);
@@ -194,8 +244,9 @@ function reading(of, position, turn, deviceMs) {
   return { deviceMs, position: tracker.toArray(), quaternion: turn.clone().multiply(mount).toArray(), isValid: true };
 }
 
-view.renderer.setAnimationLoop((ms) => {
-  if (told) {
+view.renderer.setAnimationLoop((ms, frame) => {
+  if (told && frame) headset.read(frame, ms);
+  else if (told) {
     const of = told.streams[stream];
     const readings = [];
     mouse.advanceTo(ms, (atMs) => readings.push(reading(of, mouse.position, mouse.turn, atMs)));
@@ -211,8 +262,25 @@ view.renderer.setAnimationLoop((ms) => {
   view.render();
 });
 
+for (const [mode, button] of [["immersive-vr", at("enter-vr")], ["immersive-ar", at("enter-ar")]]) {
+  button.onclick = async () => {
+    if (headset.session) return headset.leave();
+    try {
+      await headset.enter(mode);
+      document.body.dataset.room = mode;
+    } catch (error) {
+      say(`no session: ${error.message}`, "bad");
+    }
+  };
+}
+modes().then((known) => {
+  at("enter-vr").hidden = !known.includes("immersive-vr");
+  at("enter-ar").hidden = !known.includes("immersive-ar");
+});
+
 // For who looks from outside, as the browser's check does.
 window.enactSeenAt = () => mouse.seenAt();
+window.enactRoom = () => ({ headset, space: view.renderer.xr.getReferenceSpace() });
 window.enactBody = () => ({ ...mouse.position, pixelsPerMetre: view.pixelsPer(mouse.position) });
 
 // The link that the daemon prints has the code after #, where browsers keep it to themselves.

@@ -59,6 +59,15 @@ export class View {
     this.fixed = new THREE.Group();
     this.played = new THREE.Group();
     this.world.add(this.fixed, this.played);
+    const canvas = Object.assign(document.createElement("canvas"), { width: 1024, height: 256 });
+    this.said = new THREE.CanvasTexture(canvas);
+    this.said.colorSpace = THREE.SRGBColorSpace;
+    // It stands upright behind the scene.
+    this.panel = new THREE.Mesh(
+      new THREE.PlaneGeometry(0.8, 0.2),
+      new THREE.MeshBasicMaterial({ map: this.said, transparent: true }),
+    );
+    this.panel.rotation.x = Math.PI / 2;
     this.live = new Map();
     this.motion = null;
     this.isPlaying = true;
@@ -118,6 +127,57 @@ export class View {
     this.#fit();
   }
 
+  /** The world goes into a room, whose up is y. @param {boolean} isSeenThrough whether the room itself is seen */
+  enterRoom(isSeenThrough) {
+    if (this.orbit) this.orbit.enabled = false;
+    this.grid.visible = !isSeenThrough;
+    this.camera.up.set(0, 1, 0);
+    const paper = getComputedStyle(document.body).backgroundColor;
+    this.scene.background = isSeenThrough ? null : new THREE.Color(paper);
+    this.world.add(this.panel);
+  }
+
+  /** Puts the world somewhere in the room. @param {THREE.Vector3} position @param {THREE.Quaternion} turn */
+  placeWorld(position, turn) {
+    this.world.position.copy(position);
+    this.world.quaternion.copy(turn);
+    this.panel.position.set(0, 0.35, 0.55);
+  }
+
+  leaveRoom() {
+    this.renderer.xr.enabled = false;
+    this.world.position.set(0, 0, 0);
+    this.world.quaternion.identity();
+    this.scene.background = null;
+    this.grid.visible = true;
+    this.world.remove(this.panel);
+    this.camera.up.set(0, 0, 1);
+    if (this.orbit) this.orbit.enabled = true;
+    this.#look();
+    this.#fit();
+  }
+
+  /** Says something in the room, where the page is not seen. @param {string} text @param {string} colour */
+  tell(text, colour) {
+    const canvas = this.said.image;
+    const draw = canvas.getContext("2d");
+    draw.fillStyle = "#15181de0";
+    draw.fillRect(0, 0, canvas.width, canvas.height);
+    draw.fillStyle = colour;
+    draw.font = "36px system-ui, sans-serif";
+    let line = "";
+    let at = 56;
+    for (const word of text.split(" ")) {
+      if (line && draw.measureText(`${line} ${word}`).width > canvas.width - 48) {
+        draw.fillText(line, 24, at);
+        [line, at] = ["", at + 46];
+      }
+      line = line ? `${line} ${word}` : word;
+    }
+    draw.fillText(line, 24, at);
+    this.said.needsUpdate = true;
+  }
+
   /** Pixels of the window that a metre takes there. @param {THREE.Vector3} at */
   pixelsPer(at) {
     const away = at.clone().applyMatrix4(this.camera.matrixWorldInverse).z;
@@ -174,7 +234,7 @@ export class View {
   }
 
   render() {
-    this.orbit?.update();
+    if (!this.renderer.xr.isPresenting) this.orbit?.update();
     this.renderer.render(this.scene, this.camera);
   }
 }

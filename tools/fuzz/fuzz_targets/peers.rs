@@ -1,8 +1,10 @@
-//! Any bytes as what a peer of the daemon says at its ports: by HTTP, as a viewer's handshake, and as a viewer. It is
-//! answered or left, little of it is kept, and nothing of it stays.
+//! Any bytes as what a peer of the daemon says at its ports: by HTTP, as a viewer's handshake, as a viewer, and as an acting
+//! page before and after its code. It is answered or left, little of it is kept, and nothing of it stays.
 #![no_main]
 
-use enact::service::capture::peers::{HANDSHAKE, HANDSHAKE_BYTES, Ports, REQUEST_BYTES};
+use enact::service::capture::peers::{
+    ACTING_HANDSHAKE, CODE, HANDSHAKE, HANDSHAKE_BYTES, Ports, REQUEST_BYTES, page_frame,
+};
 use libfuzzer_sys::fuzz_target;
 
 thread_local! {
@@ -13,7 +15,7 @@ fuzz_target!(|bytes: &[u8]| {
     let Some((first, bytes)) = bytes.split_first() else {
         return;
     };
-    PORTS.with(|[idle, recording]| match first % 4 {
+    PORTS.with(|[idle, recording]| match first % 6 {
         0 | 1 => {
             let ports = if *first == 0 { idle } else { recording };
             let met = ports.asks(bytes);
@@ -30,6 +32,18 @@ fuzz_target!(|bytes: &[u8]| {
                 met.taken
             );
             assert!(idle.is_empty(), "something of a viewer is left");
+        }
+        4 => {
+            let met = recording.acts(ACTING_HANDSHAKE, bytes);
+            assert!(met.sent.starts_with(b"HTTP/1.1 101"), "no socket");
+        }
+        5 => {
+            // A page that was let in, and has the scene's stream.
+            let code = format!(r#"{{"say":"pair","code":"{CODE}"}}"#);
+            let first = page_frame(1, code.as_bytes());
+            let act = page_frame(1, br#"{"say":"act","stream":0}"#);
+            let met = recording.acts(ACTING_HANDSHAKE, &[&first, &act, bytes].concat());
+            assert!(met.sent.starts_with(b"HTTP/1.1 101"), "no socket");
         }
         _ => {
             let met = idle.watches(HANDSHAKE, bytes);

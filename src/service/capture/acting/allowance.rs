@@ -23,9 +23,7 @@ impl Allowance {
 
     /// Takes so many of it; whether there were as many.
     pub(super) fn take(&mut self, count: usize, now: Instant) -> bool {
-        let since_s = now
-            .saturating_duration_since(self.counted)
-            .as_secs_f64();
+        let since_s = now.saturating_duration_since(self.counted).as_secs_f64();
         self.counted = now;
         self.left = (self.left + since_s * self.per_second).min(self.at_once);
         let is_enough = self.left >= count as f64;

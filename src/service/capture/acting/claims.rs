@@ -36,7 +36,9 @@ impl Claims {
         };
         let count = claims.len();
         let Some(claim) = claims.get_mut(stream) else {
-            return Err(format!("no stream {stream} in the scene, which has {count}"));
+            return Err(format!(
+                "no stream {stream} in the scene, which has {count}"
+            ));
         };
         let is_own = claim.is_some_and(|of| of.key.lets_in(&key.bytes()));
         if !is_own && claim.is_some_and(|of| of.is_held) {

@@ -154,7 +154,9 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> Conversation<'a, S> {
         }
         if !self.acting.claims.has(read.stream, self.session) {
             self.count_text()?;
-            return Ok(Some("this page is not the tracker of that stream".to_owned()));
+            return Ok(Some(
+                "this page is not the tracker of that stream".to_owned(),
+            ));
         }
         let receipt_ns = now_ns();
         for record in read.records {

@@ -15,6 +15,9 @@ use crate::write::show::tracker_mount;
 /// Takes that a page is told of.
 const TAKES: usize = 5;
 
+/// How far tables are drawn about the origin \[m\].
+const REACH_M: f64 = 0.35;
+
 /// A stream that a page may be the tracker of.
 #[derive(Clone, Debug, Serialize)]
 struct ActedStream {
@@ -80,16 +83,21 @@ pub(super) fn refusal_text(why: &str) -> String {
     json!({ "what": "refused", "why": why }).to_string()
 }
 
-/// The scene as binary glTF, each body at the origin.
+/// The scene as binary glTF, each body at the origin. A table is drawn as far as bodies go: here, to [`REACH_M`].
 pub(super) fn scene_glb(scene: &Scene) -> Vec<u8> {
-    let at_origin = PoseSample::new(Stamp(0), [0.0; 3].into(), [0.0, 0.0, 0.0, 1.0]);
+    let key = |[at_s, x_m, y_m]: [f64; 3]| Key {
+        sample: PoseSample::new(
+            Stamp(0).after(at_s),
+            [x_m, y_m, 0.0].into(),
+            [0.0, 0.0, 0.0, 1.0],
+        ),
+        event: None,
+        is_exact: true,
+    };
+    let places = [[0.0; 3], [1.0, -REACH_M, -REACH_M], [2.0, REACH_M, REACH_M]];
     let body = |link| ExportedBody {
         link,
-        keys: vec![Key {
-            sample: at_origin,
-            event: None,
-            is_exact: true,
-        }],
+        keys: places.map(key).into(),
         acted: Vec::new(),
     };
     let bodies: Vec<ExportedBody> = scene.links.keys().map(body).collect();

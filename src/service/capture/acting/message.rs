@@ -163,10 +163,7 @@ mod tests {
         }
         let mut odd = records[0];
         odd.flags = 2;
-        assert_eq!(
-            Readings::read(&bytes(3, &[odd])),
-            Err(MessageError::Bits)
-        );
+        assert_eq!(Readings::read(&bytes(3, &[odd])), Err(MessageError::Bits));
         let mut head = bytes(3, &records[..1]);
         head[5] = 1;
         assert_eq!(Readings::read(&head), Err(MessageError::Bits));

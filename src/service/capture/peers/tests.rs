@@ -2,6 +2,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 
 use super::*;
+use crate::ingest::live::PoseRecord;
 
 /// Runs a property on so many cases.
 fn check<S: Strategy>(cases: u32, strategy: S, property: impl Fn(S::Value)) {
@@ -57,6 +58,10 @@ fn request() -> impl Strategy<Value = Vec<u8>> {
             "/picture/99999999999999999999.svg",
             "/picture/",
             "/picture/1.svg/..",
+            "/motion/1.glb",
+            "/act",
+            "/act/socket",
+            "/act/scene.glb",
         ])
         .prop_map(str::to_owned),
         "/[ -~]{0,40}",
@@ -304,4 +309,132 @@ fn answers_that_nobody_reads_do_not_gather() {
     // What needs no answer is taken for ever.
     let pong = frame(0x8a, 125, true, &[b'x'; 125]);
     assert!(ports.floods(&pong, 1 << 20) >= 1 << 20);
+}
+
+/// Text frames of a page.
+fn texts(said: &[&str]) -> Vec<u8> {
+    let frames = said.iter().map(|text| page_frame(1, text.as_bytes()));
+    frames.collect::<Vec<_>>().concat()
+}
+
+fn paired() -> String {
+    format!(r#"{{"say":"pair","code":"{CODE}"}}"#)
+}
+
+/// A message with readings of the scene's stream.
+fn readings(count: u64) -> Vec<u8> {
+    let mut bytes = vec![0; 8];
+    for number in 0..count {
+        bytes.extend(PoseRecord::numbered(number).to_bytes());
+    }
+    page_frame(2, &bytes)
+}
+
+#[test]
+fn nothing_of_a_page_is_taken_before_the_code_and_all_of_it_after() {
+    let act = r#"{"say":"act","stream":0}"#;
+    let acts = |then: &[u8]| Ports::new(true).acts(ACTING_HANDSHAKE, then).orders;
+    let after = |first: &[&str], rest: Vec<u8>| [texts(first), rest].concat();
+    let code = paired();
+    // Four readings, a mark and a stop, whose label is an order of its own.
+    let rest = [
+        readings(4),
+        texts(&[r#"{"say":"mark","device_ns":5}"#, r#"{"say":"stop"}"#]),
+    ]
+    .concat();
+    assert_eq!(acts(&after(&[&code, act], rest.clone())), 7);
+    // Of a stream that it does not have nothing is taken.
+    assert_eq!(acts(&after(&[&code], readings(4))), 0);
+    for first in [
+        "",
+        act,
+        r#"{"say":"stop"}"#,
+        r#"{"say":"pair","code":"042138"}"#,
+        r#"{"say":"pair","code":""}"#,
+        r#"{"say":"resume","key":"00000000000000000000000000000000"}"#,
+    ] {
+        assert_eq!(
+            acts(&after(&[first, &code, act], rest.clone())),
+            0,
+            "{first}"
+        );
+    }
+    assert_eq!(acts(&[readings(1), after(&[&code, act], rest)].concat()), 0);
+}
+
+#[test]
+fn a_socket_is_for_a_page_of_the_servers_own() {
+    let ports = Ports::new(true);
+    let asked = |from: &str, to: &str| {
+        let request = String::from_utf8_lossy(ACTING_HANDSHAKE).replace(from, to);
+        let sent = ports.asks(request.as_bytes()).sent;
+        String::from_utf8_lossy(&sent)[9..12].to_owned()
+    };
+    assert_eq!(asked("", ""), "101");
+    let origin = "Origin: http://localhost:9464";
+    for (from, to, expected) in [
+        (origin, "Origin: http://localhost:9465", "403"),
+        (origin, "Origin: https://app.foxglove.dev", "403"),
+        (origin, "Origin: null", "403"),
+        (origin, "X: y", "403"),
+        (
+            origin,
+            "Origin: http://localhost:9464\r\nOrigin: http://localhost:9464",
+            "403",
+        ),
+        ("localhost:9464", "rebound.example:9464", "421"),
+        ("Upgrade: websocket", "Upgrade: h2c", "400"),
+        ("Version: 13", "Version: 8", "400"),
+        ("Sec-WebSocket-Key", "X", "400"),
+        ("GET", "POST", "404"),
+    ] {
+        assert_eq!(asked(from, to), expected, "{to}");
+    }
+}
+
+#[test]
+fn a_page_that_floods_is_sent_away_and_what_came_is_bounded() {
+    let begin = texts(&[&paired(), r#"{"say":"act","stream":0}"#]);
+    // The queue holds 64 here, and what finds no place in it is dropped.
+    let flood = vec![readings(64); 60].concat();
+    let met = Ports::new(true).acts(ACTING_HANDSHAKE, &[begin.clone(), flood].concat());
+    assert!(met.orders <= 64, "{}", met.orders);
+    assert!(met.taken < 400 << 10, "{} bytes", met.taken);
+    let said = String::from_utf8_lossy(&met.sent).into_owned();
+    assert!(
+        said.contains("more readings than a tracker sends"),
+        "{said}"
+    );
+    let chat = texts(&[r#"{"say":"mark","event":"no such","device_ns":0}"#; 200]);
+    let met = Ports::new(true).acts(ACTING_HANDSHAKE, &[begin, chat].concat());
+    let said = String::from_utf8_lossy(&met.sent).into_owned();
+    assert!(said.contains("more messages than a page sends"), "{said}");
+}
+
+#[test]
+fn whatever_a_page_says_it_goes_without_a_trace() {
+    let ports = Ports::new(true);
+    let frame = prop_oneof![
+        prop::collection::vec(any::<u8>(), 0..300).prop_map(|bytes| page_frame(2, &bytes)),
+        "\\PC{0,60}".prop_map(|text| page_frame(1, text.as_bytes())),
+        prop::collection::vec(any::<u8>(), 0..40),
+        (0_u8..16, prop::collection::vec(any::<u8>(), 0..130))
+            .prop_map(|(opcode, bytes)| page_frame(opcode, &bytes)),
+        (1_u64..3).prop_map(readings),
+    ];
+    check(
+        300,
+        (any::<bool>(), prop::collection::vec(frame, 0..6)),
+        |(knows, frames)| {
+            let begin = texts(&[&paired(), r#"{"say":"act","stream":0}"#]);
+            let begin = if knows { begin } else { Vec::new() };
+            let met = ports.acts(ACTING_HANDSHAKE, &[begin, frames.concat()].concat());
+            assert!(met.sent.starts_with(b"HTTP/1.1 101"));
+            assert!(knows || met.orders == 0, "{} orders", met.orders);
+        },
+    );
+    // It is still there for the next one, who has the stream at once.
+    let next = texts(&[&paired(), r#"{"say":"act","stream":0}"#]);
+    let met = ports.acts(ACTING_HANDSHAKE, &[next, readings(2)].concat());
+    assert_eq!(met.orders, 2);
 }

@@ -37,6 +37,7 @@ fn recorder(folder: &Path) -> (Recorder, Receiver<File>) {
         token: Token::NONE,
         page: None,
         orders: std::sync::mpsc::channel().1,
+        acted: std::sync::mpsc::channel().1,
     };
     (recorder, files)
 }

@@ -1,0 +1,94 @@
+// The headset path: iwer plays a recorded controller session, a throw with its buttons, through the page.
+import { join } from "node:path";
+import { acting, assert, verdictOf } from "./page.js";
+import { SLOW, throwFrom } from "./throws.js";
+
+/** Frames a second of the recording, and what its numbers are rounded to, as iwer's recorder does. */
+const RATE_HZ = 90;
+const rounded = (value) => Math.round(value * 1000) / 1000;
+
+/** Where the page puts the scene's world before a viewer who looks ahead [m]: see src/headset.js. */
+const EYES = [0, 1.6, 0];
+const inRoom = ({ x, y, z }) => [x, EYES[1] - 0.5 + z, -0.55 - y];
+
+const START = { x: -0.2, z: 0.45 };
+
+/** Time before the motion, between its end and the grip, and after that [s]. */
+const BEFORE_S = 1;
+const AFTER_S = 0.25;
+const REST_S = 30;
+
+/** A session as iwer's recorder writes it: a controller in the right hand with trigger and grip. */
+function recorded() {
+  const { fallS, endS, place } = throwFrom(START);
+  const overS = BEFORE_S + SLOW * endS;
+  const pressed = { grip: [0.5, overS + AFTER_S], trigger: [BEFORE_S + SLOW * fallS, overS] };
+  const frames = [];
+  const count = Math.ceil((overS + AFTER_S + 1) * RATE_HZ);
+  for (let frame = 0; frame <= count; frame += 1) {
+    // The last one stays.
+    const time = frame === count ? overS + REST_S : frame / RATE_HZ;
+    const { x, z } = place(Math.min(endS, Math.max(0, (time - BEFORE_S) / SLOW)));
+    // A hand wavers by a few millimetres.
+    const waver = 0.003 * Math.sin(2 * Math.PI * 0.9 * time + 1);
+    const pose = [...inRoom({ x: x + waver, y: 0.4 * waver, z: z + 0.7 * waver }), 0, 0.0349, 0, 0.9994].map(rounded);
+    const button = (times) => (times.some((at) => time >= at && time < at + 0.12) ? [1, 1, 1] : [0, 0, 0]);
+    frames.push([
+      rounded(1000 * time), ...EYES, 0, 0, 0, 1,
+      [0, ...pose, pose, [button(pressed.trigger), button(pressed.grip), 0, 0]],
+    ]);
+  }
+  const schema = {
+    handedness: "right", targetRayMode: "tracked-pointer", profiles: ["oculus-touch-v3"],
+    hasGrip: true, hasHand: false, hasGamepad: true, mapping: "xr-standard", numButtons: 2, numAxes: 2,
+  };
+  return { schema: [[0, schema]], frames };
+}
+
+export async function headsetTake({ browser, daemon, folder, home }) {
+  const prepare = async (page) => {
+    await page.addInitScript({ path: join(home, "node_modules/iwer/build/iwer.min.js") });
+    await page.addInitScript(() => {
+      // The browser's own layers know nothing of an emulated session.
+      delete window.XRWebGLBinding;
+      window.emulated = new IWER.XRDevice(IWER.metaQuest3);
+      window.emulated.installRuntime({ polyfillLayers: false, forceInstall: true });
+    });
+  };
+  const { context, page, errors } = await acting(browser, daemon, { viewport: { width: 480, height: 320 } }, prepare);
+  await page.waitForSelector("#enter-vr:not([hidden])");
+  await page.click("#enter-vr");
+  await page.waitForSelector("body[data-room=immersive-vr]");
+  await page.waitForFunction(() => window.enactRoom().headset.isPlaced);
+  const before = daemon.said.filter((of) => of.what === "started").length;
+  await page.evaluate((recording) => {
+    const { headset, space } = window.enactRoom();
+    const player = window.emulated.createActionPlayer(space, recording);
+    player.setEventContext({ session: headset.session, getFrame: () => window.enactRoom().headset.frame });
+    player.play();
+  }, recorded());
+  const started = await daemon.wait("started", () => daemon.said.filter((of) => of.what === "started").length > before);
+  const { take } = daemon.said.filter((of) => of.what === "started").at(-1);
+  assert.ok(started);
+  const closed = await daemon.wait("closed", (of) => of.take === take);
+  const tracker = closed.counts.trackers[0];
+  assert.equal(closed.counts.marks.received, 2);
+  assert.equal(tracker.counts.missing, 0);
+  assert.equal(tracker.clock.source, "device");
+  const estimated = await daemon.wait("estimated", (of) => of.take === take);
+  assert.equal(estimated.report.verdict, "physical");
+  const { said, verdictMs, motionMs } = await verdictOf(page, take);
+  await page.waitForTimeout(300);
+  const path = join(folder, "headset.png");
+  await page.screenshot({ path });
+  await page.evaluate(() => window.enactRoom().headset.leave());
+  await page.waitForSelector("body[data-room='']");
+  assert.deepEqual(errors, []);
+  await context.close();
+  return [
+    `take ${take}: ${tracker.counts.received} samples, ${closed.counts.marks.received} marks, none missing`,
+    `the daemon says ${estimated.report.verdict}; the page says: ${said}`,
+    `verdict ${verdictMs} ms, motion ${motionMs} ms after the end`,
+    path,
+  ];
+}
