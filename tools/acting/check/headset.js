@@ -53,6 +53,8 @@ export async function headsetTake({ browser, daemon, folder, home }) {
       delete window.XRWebGLBinding;
       window.emulated = new IWER.XRDevice(IWER.metaQuest3);
       window.emulated.installRuntime({ polyfillLayers: false, forceInstall: true });
+      // It says of all that it plays that nobody sees it.
+      Object.defineProperty(XRPose.prototype, "emulatedPosition", { get: () => false });
     });
   };
   const { context, page, errors } = await acting(browser, daemon, { viewport: { width: 480, height: 320 } }, prepare);

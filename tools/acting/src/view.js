@@ -164,13 +164,13 @@ export class View {
     draw.fillStyle = "#15181de0";
     draw.fillRect(0, 0, canvas.width, canvas.height);
     draw.fillStyle = colour;
-    draw.font = "36px system-ui, sans-serif";
+    draw.font = "52px system-ui, sans-serif";
     let line = "";
-    let at = 56;
+    let at = 70;
     for (const word of text.split(" ")) {
       if (line && draw.measureText(`${line} ${word}`).width > canvas.width - 48) {
         draw.fillText(line, 24, at);
-        [line, at] = ["", at + 46];
+        [line, at] = ["", at + 62];
       }
       line = line ? `${line} ${word}` : word;
     }
