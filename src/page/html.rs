@@ -13,6 +13,12 @@ use crate::visual::View;
 /// The style of everything but pictures and charts.
 pub(super) const STYLE: &str = include_str!("style.css");
 
+/// The one script of pages: it plays a motion in a picture ([`Strobe::element_that_plays`]).
+pub const PLAYER: &str = include_str!("player.js");
+
+/// SHA-256 of [`PLAYER`], by which browsers know the script that may run, and no other.
+pub(super) const PLAYER_HASH: &str = "3gmG33cvWU/5sEHIYkwVq9KtJFGyOXRBzRIFDb7SfCY=";
+
 /// Width of the large picture, in its own pixels.
 const LARGE_PX: f64 = 760.0;
 
@@ -40,9 +46,9 @@ pub fn html(page: &Page) -> Result<String, PageError> {
     let mut text = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
          content=\"width=device-width, initial-scale=1\">\n<meta name=\"color-scheme\" content=\"light dark\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{PLAYER_HASH}'\">\n\
          <meta name=\"generator\" content=\"{}\">\n<title>{title}: estimated motion</title>\n<style>\n{STYLE}{drawn}</style>\n\
-         </head>\n<body>\n<main>\n<p class=\"over\">Estimated motion</p>\n<h1><bdi>{title}</bdi></h1>\n{}\n",
+         <script class=\"player\">{PLAYER}</script>\n</head>\n<body>\n<main>\n<p class=\"over\">Estimated motion</p>\n<h1><bdi>{title}</bdi></h1>\n{}\n",
         escaped(&page.provenance.program),
         verdict::facts(report)
     );
@@ -137,14 +143,23 @@ fn pictures(page: &Page, strobe: Option<&Strobe>, said: &EstimateReport) -> Stri
     }
     text += "</ul><div class=\"views\">";
     for view in View::ALL {
-        let (class, size) = match view {
-            View::ThreeQuarter => ("view main", Size::Fitted { width_px: LARGE_PX }),
-            _ => ("view", Size::Fixed { size_px: SMALL_PX }),
+        let (class, element) = match view {
+            View::ThreeQuarter => {
+                let size = Size::Fitted { width_px: LARGE_PX };
+                let element = strobe.element_that_plays(view, size);
+                (
+                    "view main plays",
+                    element + "<div class=\"controls\" hidden=\"hidden\"></div>",
+                )
+            }
+            _ => {
+                let size = Size::Fixed { size_px: SMALL_PX };
+                ("view", strobe.element(view, size))
+            }
         };
         let _ = write!(
             text,
-            "<figure class=\"{class}\">{}<figcaption>{}</figcaption></figure>",
-            strobe.element(view, size),
+            "<figure class=\"{class}\">{element}<figcaption>{}</figcaption></figure>",
             match view {
                 View::ThreeQuarter => escaped(&strobe.caption()),
                 View::Front => "From the front".to_owned(),

@@ -112,7 +112,7 @@ pub(super) fn shown(input: &Path, play: impl FnOnce(Vec<u8>)) -> anyhow::Result<
         lost: &read.lost(),
     };
     let strobe = strobe_of(&page).with_context(|| input.display().to_string())?;
-    Ok(strobe.map(|strobe| strobe.file(View::ThreeQuarter)))
+    Ok(strobe.map(|strobe| strobe.file_that_plays(View::ThreeQuarter)))
 }
 
 /// Refuses files of one name, and the recording as one of them.

@@ -131,10 +131,12 @@ fn corners(data: &str) -> Vec<[f64; 2]> {
     points.collect()
 }
 
-/// Whatever the page is of, it needs nothing from elsewhere and no script.
+/// Whatever the page is of, it needs nothing from elsewhere and no script but the one that plays the motion.
 fn assert_complete(page: &str) {
     assert!(page.starts_with("<!doctype html>") && page.trim_end().ends_with("</html>"));
-    let lower = page.to_lowercase();
+    let player = format!("<script class=\"player\">{}</script>", enact::page::PLAYER);
+    assert_eq!(page.matches(&player).count(), 1, "the script that plays");
+    let lower = page.replace(&player, "").to_lowercase();
     for needed in [
         "<script",
         "<img",

@@ -49,6 +49,10 @@ impl Picture {
         for goal in &goals {
             picture.hollow(&goal.outline, &scale, "go", 1.0);
         }
+        if frame.plays {
+            picture.played(strobe, camera, &scale, &obstacles);
+            picture.text += "<g class=\"flashes\">";
+        }
         for ghost in &ghosts {
             picture.hollow(&ghost.outline, &scale, "gh", 0.9);
         }
@@ -72,12 +76,15 @@ impl Picture {
         }
         let covered: Vec<[f64; 4]> = solid.iter().map(|item| covered(item, &scale)).collect();
         picture.labels(strobe, camera, &scale, &covered);
+        if frame.plays {
+            picture.text += "</g>";
+        }
         picture.foot(strobe, camera, &scale, frame);
         picture
     }
 
     /// Filled and with a border, in a class.
-    fn hollow(&mut self, outline: &Outline, scale: &Scale, class: &str, width: f64) {
+    pub(super) fn hollow(&mut self, outline: &Outline, scale: &Scale, class: &str, width: f64) {
         let data = scale.closed(&outline.silhouette);
         if !data.is_empty() {
             let _ = write!(
@@ -155,7 +162,7 @@ impl Picture {
     }
 
     /// The ways of centres of mass.
-    fn ways(&mut self, strobe: &Strobe, camera: &Camera, scale: &Scale) {
+    pub(super) fn ways(&mut self, strobe: &Strobe, camera: &Camera, scale: &Scale) {
         let tolerance_m = TOLERANCE_PX / scale.px_per_m;
         for (link, samples) in strobe.motion.estimates.iter_enumerated() {
             let acted = &strobe.motion.sketches[link];

@@ -12,6 +12,18 @@ impl Strobe<'_> {
         let frame = LayoutFrame {
             size,
             is_alone: false,
+            plays: false,
+        };
+        let picture = self.picture(view, frame);
+        self.wrapped(view, &picture, "")
+    }
+
+    /// The same with the motion to be played by [`PLAYER`](crate::page::PLAYER).
+    pub fn element_that_plays(&self, view: View, size: Size) -> String {
+        let frame = LayoutFrame {
+            size,
+            is_alone: false,
+            plays: true,
         };
         let picture = self.picture(view, frame);
         self.wrapped(view, &picture, "")
@@ -19,9 +31,19 @@ impl Strobe<'_> {
 
     /// A picture as a file of its own.
     pub fn file(&self, view: View) -> String {
+        self.alone(view, false)
+    }
+
+    /// The same with the motion to be played.
+    pub fn file_that_plays(&self, view: View) -> String {
+        self.alone(view, true)
+    }
+
+    fn alone(&self, view: View, plays: bool) -> String {
         let frame = LayoutFrame {
             size: Size::Fitted { width_px: 760.0 },
             is_alone: true,
+            plays,
         };
         let picture = self.picture(view, frame);
         let notes: Vec<String> = self.notes.iter().map(|note| escaped(note)).collect();

@@ -39,6 +39,8 @@ pub(super) struct LayoutFrame {
     pub size: Size,
     /// Whether it has to explain itself.
     pub is_alone: bool,
+    /// Whether it has the motion to be played, too.
+    pub plays: bool,
 }
 
 /// Where things are on the picture.

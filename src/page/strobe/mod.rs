@@ -7,6 +7,7 @@ mod items;
 mod layout;
 mod lit;
 mod plan;
+mod play;
 
 pub use layout::Size;
 pub use lit::Strobe;

@@ -26,7 +26,7 @@ const SETTLING_RADII: f64 = 0.5;
 const TURN_RADII: f64 = 0.55;
 
 /// Acted poses farther apart than this many steps have nothing between them.
-const GAP_STEPS: f64 = 2.0;
+pub(super) const GAP_STEPS: f64 = 2.0;
 
 /// What a flash shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,7 +74,7 @@ pub(super) fn step_s(scene: &Scene, motion: &WrittenMotion) -> Option<f64> {
 }
 
 /// From where to where the motion of all bodies is.
-fn extent(motion: &WrittenMotion) -> Option<[Stamp; 2]> {
+pub(super) fn extent(motion: &WrittenMotion) -> Option<[Stamp; 2]> {
     let stamps = || motion.estimates.iter().flatten().map(|sample| sample.stamp);
     Some([stamps().min()?, stamps().max()?])
 }

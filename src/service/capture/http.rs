@@ -19,7 +19,7 @@
 //! long one; where more than there are [`GatePlaces`] have not sent theirs, the oldest is closed.
 
 use std::net::SocketAddr;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -34,6 +34,7 @@ use super::event::Status;
 use super::gate::{Gate, GatePlaces, Waiting};
 use super::metrics::Metrics;
 use super::origin::Origins;
+use crate::page::PLAYER;
 
 pub(super) const HEAD_BYTES: usize = 8 << 10;
 pub(super) const BODY_BYTES: usize = 8 << 10;
@@ -44,7 +45,9 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// The slowest that an answer may be taken \[bytes/s\].
 const SLOWEST: usize = 64 << 10;
 
-const PAGE: &str = include_str!("operator.html");
+/// The operator's page, with the script that plays motions.
+static PAGE: LazyLock<String> =
+    LazyLock::new(|| include_str!("operator.html").replace("/* player */", PLAYER));
 
 /// What a browser may do with the page: nothing but what is in it, and talk to this server.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
