@@ -7,6 +7,7 @@
 //! trackers, [`clock`] stamps them. [`table`] reads poses from tables of numbers, which are no recordings
 //! yet; [`Recording::poses`] and [`Recording::marks_on`] tell what a recording has without a scene.
 
+mod captured;
 pub mod clock;
 mod error;
 mod frames;
@@ -25,6 +26,7 @@ pub mod table;
 
 pub use crate::wire::container::{Digest, digest};
 pub use crate::wire::{is_pipe, read_text, read_whole, regular};
+pub use captured::CapturedSession;
 pub use error::{IngestError, listed};
 pub use mark_list::{ListedMark, MarkTime, marks_of_file};
 pub use marks::MarkMessage;

@@ -124,11 +124,17 @@ fn base64(bytes: &[u8]) -> String {
     const SIGNS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::new();
     for part in bytes.chunks(3) {
-        let word = part.iter().fold(0_u32, |word, byte| word << 8 | u32::from(*byte));
+        let word = part
+            .iter()
+            .fold(0_u32, |word, byte| word << 8 | u32::from(*byte));
         let word = word << (8 * (3 - part.len()));
         for place in 0..4 {
             let sign = SIGNS[(word >> (18 - 6 * place)) as usize & 63];
-            text.push(if place <= part.len() { char::from(sign) } else { '=' });
+            text.push(if place <= part.len() {
+                char::from(sign)
+            } else {
+                '='
+            });
         }
     }
     text
@@ -142,7 +148,9 @@ fn the_one_script_of_a_page_is_the_one_that_it_allows() {
     let (scene, motion) = motion();
     let page = page_of(&scene, &motion).expect("a page");
     assert!(page.contains(&format!("script-src 'sha256-{PLAYER_HASH}'")));
-    let (_, script) = page.split_once("<script class=\"player\">").expect("a script");
+    let (_, script) = page
+        .split_once("<script class=\"player\">")
+        .expect("a script");
     let (script, rest) = script.split_once("</script>").expect("its end");
     assert!(script == PLAYER && !rest.contains("<script"));
 }
@@ -155,12 +163,22 @@ fn a_motion_is_there_to_be_played_with_its_ghost() {
     let (head, rest) = played.split_once('>').expect("attributes");
     let number = |name: &str| -> f64 {
         let (_, value) = head.split_once(&format!("data-{name}=\"")).expect("there");
-        value.split('"').next().expect("an end").parse().expect("a number")
+        value
+            .split('"')
+            .next()
+            .expect("an end")
+            .parse()
+            .expect("a number")
     };
     let (count, step_s) = (number("count"), number("step"));
     let samples = &motion.estimates[LinkIndex(0)];
-    let span_s = samples[samples.len() - 1].stamp.seconds_since(samples[0].stamp);
-    assert!((step_s * (count - 1.0) - span_s).abs() < 1e-3, "{step_s} {count} {span_s}");
+    let span_s = samples[samples.len() - 1]
+        .stamp
+        .seconds_since(samples[0].stamp);
+    assert!(
+        (step_s * (count - 1.0) - span_s).abs() < 1e-3,
+        "{step_s} {count} {span_s}"
+    );
     // The ghost, the body and its edges: each as often as there are times.
     let (rest, _) = rest.split_once("</g>").expect("its end");
     let paths: Vec<&str> = rest.split("data-d=\"").skip(1).collect();

@@ -18,8 +18,8 @@ use super::guard::Inputs;
 use super::mark::{check_event, stamp_of};
 use super::working::Working;
 use crate::config::scene_from_toml;
-use crate::ingest::table::{PoseTable, TableOptions, read_table};
-use crate::ingest::{ListedMark, SCENE_NAME, read_text, read_whole};
+use crate::ingest::table::{PoseTable, Preset, TableOptions, read_table};
+use crate::ingest::{CapturedSession, ListedMark, SCENE_NAME, read_text, read_whole};
 use crate::motion::{Holds, Mark, PoseSample, Scene, Sees, Stamp};
 use crate::write::{DEFAULT_WORLD_FRAME, RecordingWriter};
 
@@ -138,6 +138,10 @@ pub fn import(job: &ImportJob) -> anyhow::Result<Imported> {
                 table.notes.extend(text.note);
                 tables.push((input, table));
             }
+            ImportKind::Captured(session) => {
+                let table = session_table(input, session, &job.options)?;
+                tables.push((input, table));
+            }
             ImportKind::Recording(bytes) => recordings.push((input.clone(), bytes)),
         }
     }
@@ -154,6 +158,25 @@ pub fn import(job: &ImportJob) -> anyhow::Result<Imported> {
     }
     one_zero(&mut tables);
     recording(job, &tables, scene.as_ref())
+}
+
+/// The poses of a captured session, y up unless it is said otherwise, with its presses.
+fn session_table(
+    input: &Path,
+    session: CapturedSession,
+    options: &TableOptions,
+) -> anyhow::Result<PoseTable> {
+    let preset = options.preset.or(Preset::named("y-up"));
+    let options = TableOptions {
+        preset,
+        ..options.clone()
+    };
+    let mut table = read_table(input, &session.table, &options)?;
+    table.kind = session.kind;
+    table.notes.extend(session.notes);
+    let stamp = |ms: f64| Stamp((1e6 * ms).round() as i64);
+    table.presses = session.presses_ms.into_iter().map(stamp).collect();
+    Ok(table)
 }
 
 /// Tables that count frames or rows begin together, at the first of all: what was seen later in one of them stays later.
@@ -385,6 +408,14 @@ fn marks_of_heads(
         };
         told.notes
             .push(format!("the file's event {name:?} is left out: {why}"));
+    }
+    // A press is of the next event, in order; who says marks by hand wants those.
+    if by_hand.is_empty() {
+        let presses = tables.iter().flat_map(|(_, table)| &table.presses);
+        marks.extend(presses.map(|stamp| Mark {
+            stamp: *stamp,
+            event: None,
+        }));
     }
     if !marks.is_empty() {
         told.notes

@@ -1,6 +1,7 @@
 //! `enact import` from outside: tables of many programs become recordings that are estimated, and what the
 //! data show of a wrong guess is said.
 
+mod captured;
 mod said;
 
 use std::fs;

@@ -41,6 +41,8 @@ pub struct PoseTable {
     pub bodies: Vec<BodyPoses>,
     /// Marks of its head, with the names of events.
     pub marks: Vec<(String, Stamp)>,
+    /// When a button was pressed: the next event, in order.
+    pub presses: Vec<Stamp>,
     /// The time of its first row where it counts frames or rows: several files have one zero.
     pub zero: Option<Stamp>,
     /// What was guessed, and what was not read.

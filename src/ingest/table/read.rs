@@ -86,6 +86,7 @@ fn read(text: &str, options: &TableOptions) -> Result<PoseTable, TableFault> {
         length,
         bodies,
         marks: marks.collect(),
+        presses: Vec::new(),
         zero: zero.map(Stamp),
         notes: said.notes,
         against: said.against,

@@ -19,8 +19,8 @@
 //! long one; where more than there are [`GatePlaces`] have not sent theirs, the oldest is closed.
 
 use std::net::SocketAddr;
-use std::sync::{Arc, LazyLock};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 
 use serde_json::json;

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::bail;
 
+use crate::ingest::CapturedSession;
 use crate::ingest::table::{TableText, table_text};
 
 /// Longest line of a table: a thousand bodies and more.
@@ -13,6 +14,8 @@ const LINE_BYTES: usize = 1 << 20;
 pub(super) enum ImportKind {
     /// A text: a table.
     Table(TableText),
+    /// A session that a page in a browser captured.
+    Captured(CapturedSession),
     /// MCAP.
     Recording(Vec<u8>),
 }
@@ -113,16 +116,22 @@ pub(super) fn of(path: &Path, bytes: Vec<u8>) -> anyhow::Result<ImportKind> {
     if bytes.is_empty() {
         bail!("{shown}: is empty, expected a table of poses or MCAP: export it again");
     }
+    let begin = bytes.trim_ascii_start();
+    let is_json = begin.starts_with(b"{") || begin.starts_with(b"[{");
+    if is_json && let Ok(text) = std::str::from_utf8(&bytes) {
+        let session = CapturedSession::of_json(text);
+        match session.map_err(|why| anyhow::anyhow!("{shown}: {why}"))? {
+            Some(session) => return Ok(ImportKind::Captured(session)),
+            None => bail!(
+                "{shown}: is JSON, but none of A-Frame's motion capture or of iwer's, expected a table: write a line per \
+                 pose with t, x, y, z, qx, qy, qz, qw under a line of these names"
+            ),
+        }
+    }
     if let Some(line) = long_line(&bytes) {
         bail!(
             "{shown}:{line}: the line is longer than {} KiB, expected a table of poses or MCAP",
             LINE_BYTES >> 10
-        );
-    }
-    if bytes.trim_ascii_start().starts_with(b"{") || bytes.trim_ascii_start().starts_with(b"[{") {
-        bail!(
-            "{shown}: is JSON, expected a table: write a line per pose with t, x, y, z, qx, qy, qz, qw under a line of \
-             these names"
         );
     }
     match table_text(bytes) {
