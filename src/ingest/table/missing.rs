@@ -220,6 +220,35 @@ pub fn held_poses(samples: &[&PoseSample]) -> HeldPoses {
     held
 }
 
+/// Steps to which positions are rounded, the coarsest first \[m\].
+const ROUNDED_M: [f64; 3] = [1e-2, 1e-3, 1e-4];
+
+/// Fewer positions are of any step by chance.
+const ROUNDED_SAMPLES: usize = 30;
+
+/// What is held is explained by rounding where the path goes on within so many steps.
+const ROUNDED_STEPS: f64 = 3.0;
+
+/// The step to which all positions are rounded, where that explains that poses are held: the path goes on from each by a
+/// few steps. `None` where they are not rounded, or where one is left by a jump, as of a tracker that held what it lost.
+pub fn rounded_m(samples: &[&PoseSample]) -> Option<f64> {
+    let is_of = |step_m: f64| {
+        let mut all = samples.iter().flat_map(|sample| sample.position_m.iter());
+        all.all(|at_m| (at_m / step_m - (at_m / step_m).round()).abs() < 1e-6)
+    };
+    let step_m = ROUNDED_M.into_iter().find(|step_m| is_of(*step_m))?;
+    let mut is_held = false;
+    for pair in samples.windows(2) {
+        let way_m = pair[1].position_m - pair[0].position_m;
+        let stays = way_m.amax() == 0.0 && pair[0].quaternion_xyzw == pair[1].quaternion_xyzw;
+        if is_held && !stays && way_m.amax() > (ROUNDED_STEPS + 0.5) * step_m {
+            return None;
+        }
+        is_held = stays;
+    }
+    (samples.len() >= ROUNDED_SAMPLES).then_some(step_m)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -285,6 +314,22 @@ mod tests {
             [0.01, 0.5],
         ]);
         assert_eq!(stray_zeros(&live), [true, true, true, false, false]);
+    }
+
+    #[test]
+    fn repeats_of_what_is_rounded_are_told_from_a_tracker_that_holds() {
+        let slow = |step_m: f64, jump_m: f64| {
+            let at_m = |index: usize| 0.0003 * index as f64 + if index < 50 { 0.0 } else { jump_m };
+            let points: Vec<[f64; 2]> = (0..100)
+                .map(|index| [(at_m(index) / step_m).round() * step_m, 0.0])
+                .collect();
+            let samples = path(&points);
+            rounded_m(&samples.iter().collect::<Vec<_>>())
+        };
+        assert_eq!(slow(1e-3, 0.0), Some(1e-3));
+        assert_eq!(slow(1e-2, 0.0), Some(1e-2));
+        assert_eq!(slow(1e-3, 0.5), None);
+        assert_eq!(slow(1.7e-5, 0.0), None);
     }
 
     #[test]

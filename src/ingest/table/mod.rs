@@ -29,7 +29,7 @@ mod units;
 pub use axes::{PRESETS, Preset};
 pub use encoding::{TableText, table_text};
 pub use layout::QuaternionOrder;
-pub use missing::{HeldPoses, UnseenRows, held_poses};
+pub use missing::{HeldPoses, UnseenRows, held_poses, rounded_m};
 pub use poses::{BodyPoses, PoseTable, TableOptions};
 pub use read::read_table;
 pub use stamp::nanoseconds;

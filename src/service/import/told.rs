@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 
 use super::names::Named;
-use crate::ingest::table::{Preset, held_poses, length_name};
+use crate::ingest::table::{Preset, held_poses, length_name, rounded_m};
 use crate::motion::{Fall, Holds, LengthUnit, PoseSample, Scene, Timing, falls};
 
 /// Gravity \[m/s²\]; what is near it by [`NEAR`] counts.
@@ -247,6 +247,13 @@ fn held(name: &str, samples: &[&PoseSample], told: &mut ToldImport) {
         samples.len(),
         held.longest
     );
+    if let Some(step_m) = rounded_m(samples) {
+        told.notes.push(format!(
+            "{said}: positions are rounded to {} mm, and a hand that moves by less repeats",
+            1e3 * step_m
+        ));
+        return;
+    }
     let is_many = held.count as f64 > HELD_SHARE * samples.len() as f64;
     if is_many || held.longest >= HELD_SAMPLES {
         told.against.push(format!(

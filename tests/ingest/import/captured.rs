@@ -47,10 +47,12 @@ fn session() -> String {
     let mut frames = String::new();
     for (time_ms, [x, y, z, a, b, c, d]) in poses() {
         let pressed = u8::from((315.0..375.0).contains(&time_ms));
+        // Who looks on nods a little.
+        let nod = 1e-5 * time_ms;
         let comma = if frames.is_empty() { "" } else { "," };
         write!(
             frames,
-            "{comma}[{time_ms},0,1.6,0,0,0,0,1,[0,0,0,0,0,0,0,1,[{x},{y},{z},{a},{b},{c},{d}],[[{pressed},0,{pressed}],[0,0,0],0,0]]]"
+            "{comma}[{time_ms},{nod},1.6,0,0,0,0,1,[0,0,0,0,0,0,0,1,[{x},{y},{z},{a},{b},{c},{d}],[[{pressed},0,{pressed}],[0,0,0],0,0]]]"
         )
         .expect("a text");
     }

@@ -49,6 +49,8 @@ export class Headset {
     /** Which hand acts: the one that pressed something last. */
     this.hand = "right";
     this.isPlaced = false;
+    /** Whether the scene's world is the room's, as a calibration has it, not put ahead of the viewer. */
+    this.isOfRoom = false;
     /** Whether this session ever had anything in a hand. */
     this.hadSources = false;
     this.last = new Map();
@@ -143,12 +145,13 @@ export class Headset {
 
   /** Puts the scene's world ahead of the viewer, its y away from them. */
   #place({ position, orientation }) {
+    this.isPlaced = true;
+    if (this.isOfRoom) return this.view.placeWorld(new THREE.Vector3(), Y_UP.clone());
     const look = new THREE.Vector3(0, 0, -1).applyQuaternion(
       new THREE.Quaternion(orientation.x, orientation.y, orientation.z, orientation.w));
     const heading = Math.atan2(-look.x, -look.z);
     const turn = new THREE.Quaternion().setFromAxisAngle(new THREE.Vector3(0, 1, 0), heading);
     const ahead = new THREE.Vector3(0, -BELOW_M, -AHEAD_M).applyQuaternion(turn);
     this.view.placeWorld(new THREE.Vector3(position.x, position.y, position.z).add(ahead), turn.multiply(Y_UP));
-    this.isPlaced = true;
   }
 }

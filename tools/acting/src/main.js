@@ -213,6 +213,7 @@ export function mark(ms) {
 
 at("record").onclick = () => record();
 at("mark").onclick = (event) => mark(event.timeStamp);
+at("enter-ar").title = at("enter-vr").title = "begins a session, and ends it";
 at("stream").onchange = () => choose(Number(at("stream").value));
 at("play").onclick = () => {
   view.isPlaying = !view.isPlaying;
@@ -266,6 +267,7 @@ for (const [mode, button] of [["immersive-vr", at("enter-vr")], ["immersive-ar",
   button.onclick = async () => {
     if (headset.session) return headset.leave();
     try {
+      headset.isOfRoom = at("place").value === "room";
       await headset.enter(mode);
       document.body.dataset.room = mode;
     } catch (error) {
@@ -276,6 +278,7 @@ for (const [mode, button] of [["immersive-vr", at("enter-vr")], ["immersive-ar",
 modes().then((known) => {
   at("enter-vr").hidden = !known.includes("immersive-vr");
   at("enter-ar").hidden = !known.includes("immersive-ar");
+  at("place").hidden = known.length === 0;
 });
 
 // For who looks from outside, as the browser's check does.
