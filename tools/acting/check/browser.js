@@ -67,7 +67,7 @@ try {
   for (const [name, part] of Object.entries(PARTS)) {
     if (wanted.length > 0 && !wanted.includes(name)) continue;
     try {
-      for (const line of await part({ browser, daemon: begun, folder, home })) console.log(`${name}: ${line}`);
+      for (const line of await part({ browser, daemon: begun, folder, home, enact })) console.log(`${name}: ${line}`);
     } catch (error) {
       failed += 1;
       console.log(`${name}: FAILED: ${error.stack}`);

@@ -1,8 +1,8 @@
 // What the parts of the check share: pages that are open, and what they say.
 import assert from "node:assert/strict";
 
-/** Opens the acting page as the link says it, and waits until it is paired. Any error of the page fails. */
-export async function acting(browser, daemon, options = {}, prepare = async () => {}) {
+/** Opens a page. Any error of the page is kept, and said. */
+export async function opened(browser, link, options = {}, prepare = async () => {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
   const page = await context.newPage();
   const errors = [];
@@ -13,9 +13,15 @@ export async function acting(browser, daemon, options = {}, prepare = async () =
   page.on("pageerror", (error) => fails(error.stack));
   page.on("console", (said) => said.type() === "error" && fails(said.text()));
   await prepare(page);
-  await page.goto(daemon.ready.acting);
-  await page.waitForSelector("body[data-paired=yes]");
+  await page.goto(link);
   return { context, page, errors };
+}
+
+/** Opens the acting page as the link says it, and waits until it is paired. */
+export async function acting(browser, daemon, options = {}, prepare = async () => {}) {
+  const all = await opened(browser, daemon.ready.acting, options, prepare);
+  await all.page.waitForSelector("body[data-paired=yes]");
+  return all;
 }
 
 /** Waits for the verdict on a take and until its motion is shown; what the page says, and how long it took [ms]. */
