@@ -18,23 +18,25 @@
 //! ([`Director::knows`], [`Origins::may_direct`]). A peer has two seconds for its request, and as long for the answer, longer for a
 //! long one; where more than there are [`GatePlaces`] have not sent theirs, the oldest is closed.
 
-use std::net::SocketAddr;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, LazyLock};
-use std::time::{Duration, Instant};
+mod reply;
+mod routes;
 
-use serde_json::json;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
 
 use super::acting::{Acting, Upgraded, derive_accept_key};
-use super::director::{Director, DirectorOrder};
+use super::director::Director;
 use super::event::Status;
 use super::gate::{Gate, GatePlaces, Waiting};
 use super::metrics::Metrics;
 use super::origin::Origins;
-use crate::page::PLAYER;
+use reply::{Reply, refusal, the_header};
 
 pub(super) const HEAD_BYTES: usize = 8 << 10;
 pub(super) const BODY_BYTES: usize = 8 << 10;
@@ -44,26 +46,6 @@ const PATIENCE: Duration = Duration::from_secs(2);
 
 /// The slowest that an answer may be taken \[bytes/s\].
 const SLOWEST: usize = 64 << 10;
-
-/// The operator's page, with the script that plays motions.
-static PAGE: LazyLock<String> =
-    LazyLock::new(|| include_str!("operator.html").replace("/* player */", PLAYER));
-
-/// What a browser may do with the page: nothing but what is in it, and talk to this server.
-const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
-                      connect-src 'self'; img-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-
-/// What it may do with the acting page: the same, and draw what it was sent.
-const ACTING_POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
-                             connect-src 'self' blob:; img-src 'self' data: blob:; base-uri 'none'; form-action 'none'; \
-                             frame-ancestors 'none'";
-
-/// What it may do with a picture: show it.
-const PICTURE_POLICY: &str =
-    "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'";
-
-/// Where the acting page is asked for and not served.
-const NOT_SERVED: &str = "the acting page is not served: begin `enact capture` with --acting\n";
 
 /// The contents of the pages.
 pub(super) struct Pages {
@@ -102,41 +84,19 @@ pub(super) async fn serve(
     Ok(address)
 }
 
+/// What a request is for.
+#[derive(Clone, Copy)]
+struct RequestTarget<'a> {
+    path: &'a str,
+    is_get: bool,
+}
+
 /// What comes of a request.
 enum Answer {
     /// A reply, and the end of the connection.
     Reply(Reply),
     /// A WebSocket: its handshake's answer, and where the request ended.
     Socket { accept: String, head: usize },
-}
-
-/// The reply to a request.
-struct Reply {
-    status: &'static str,
-    kind: &'static str,
-    policy: &'static str,
-    body: Arc<[u8]>,
-}
-
-impl Reply {
-    fn text(status: &'static str, body: String) -> Self {
-        Self {
-            status,
-            ..Self::ok(
-                "text/plain; version=0.0.4; charset=utf-8",
-                body.into_bytes(),
-            )
-        }
-    }
-
-    fn ok(kind: &'static str, body: impl Into<Arc<[u8]>>) -> Self {
-        Self {
-            status: "200 OK",
-            kind,
-            policy: POLICY,
-            body: body.into(),
-        }
-    }
 }
 
 impl Pages {
@@ -263,7 +223,7 @@ impl Pages {
                 Err(refused) => Answer::Reply(refused),
             });
         }
-        self.page(&request, &bytes[head..], (path, is_get))
+        self.page(&request, &bytes[head..], RequestTarget { path, is_get })
             .map(Answer::Reply)
     }
 
@@ -284,139 +244,4 @@ impl Pages {
         let key = header("sec-websocket-key").filter(|_| is_socket);
         key.ok_or_else(|| refusal("400 Bad Request"))
     }
-
-    /// The reply to a request with that body; `None` while the body is incomplete.
-    fn page(
-        &self,
-        request: &httparse::Request,
-        body: &[u8],
-        (path, is_get): (&str, bool),
-    ) -> Option<Reply> {
-        if !self.origins.is_known(the_header(request.headers, "host")) {
-            return Some(Reply::text(
-                "421 Misdirected Request",
-                "421 Misdirected Request: ask for an address in numbers or for localhost, or list the name \
-                 in the scene, [capture] hosts\n"
-                    .to_owned(),
-            ));
-        }
-        Some(match path {
-            "/take" if request.method == Some("POST") => return self.take(request.headers, body),
-            "/" | "/state" | "/take" | "/health" | "/metrics" if !is_get || path == "/take" => {
-                refusal("405 Method Not Allowed")
-            }
-            "/" => Reply::ok("text/html; charset=utf-8", PAGE.as_bytes()),
-            "/state" => Reply::ok("application/json", self.state().into_bytes()),
-            "/health" => self.health(),
-            "/metrics" => Reply::text("200 OK", self.metrics.text(&self.status.borrow())),
-            _ if is_get => self.file(path).unwrap_or_else(|| refusal("404 Not Found")),
-            _ => refusal("404 Not Found"),
-        })
-    }
-
-    /// A file of the acting page, or of a take.
-    fn file(&self, path: &str) -> Option<Reply> {
-        let numbered = |before, after| {
-            let number = path.strip_prefix(before)?.strip_suffix(after)?;
-            number.parse::<u64>().ok()
-        };
-        let glb = |bytes| Reply::ok("model/gltf-binary", bytes);
-        if let Some(take) = numbered("/picture/", ".svg") {
-            let picture = self.metrics.history.picture(take)?;
-            return Some(Reply {
-                policy: PICTURE_POLICY,
-                ..Reply::ok("image/svg+xml", picture)
-            });
-        }
-        if let Some(take) = numbered("/motion/", ".glb") {
-            return self.metrics.history.motion(take).map(glb);
-        }
-        let acting = self.acting.as_ref();
-        match path {
-            "/act" => Some(match acting {
-                Some(acting) => Reply {
-                    policy: ACTING_POLICY,
-                    ..Reply::ok("text/html; charset=utf-8", Arc::clone(&acting.html))
-                },
-                None => Reply::text("404 Not Found", NOT_SERVED.to_owned()),
-            }),
-            "/act/scene.glb" => acting.map(|acting| glb(Arc::clone(&acting.scene))),
-            _ => None,
-        }
-    }
-
-    fn health(&self) -> Reply {
-        const BAD: &str = "503 Service Unavailable";
-        if self.stop.load(Ordering::Relaxed) {
-            return Reply::text(BAD, "draining\n".to_owned());
-        }
-        let troubles = self.metrics.health.troubles(Instant::now());
-        if troubles.is_empty() {
-            return Reply::text("200 OK", "ready\n".to_owned());
-        }
-        Reply::text(BAD, format!("{}\n", troubles.join("\n")))
-    }
-
-    /// Everything that the page shows.
-    fn state(&self) -> String {
-        let status = self.status.borrow();
-        json!({
-            "status": &*status,
-            "troubles": self.metrics.health.troubles(Instant::now()),
-            "events": self.director.events(),
-            "takes": self.metrics.history.takes(),
-            "free_bytes": self.metrics.health.free_bytes(),
-        })
-        .to_string()
-    }
-
-    /// The reply to an order; `None` while its body is incomplete.
-    fn take(&self, headers: &[httparse::Header], body: &[u8]) -> Option<Reply> {
-        let header = |name: &str| the_header(headers, name);
-        let is_own = self.origins.may_direct(header("origin"), header("host"));
-        if !is_own || !self.director.knows(header("authorization")) {
-            return Some(Reply::text(
-                "403 Forbidden",
-                "this may only watch: to direct, open the link that `enact take status` prints\n"
-                    .to_owned(),
-            ));
-        }
-        let length = header("content-length").map(str::parse);
-        let Some(Ok(length)) = length else {
-            return Some(refusal("411 Length Required"));
-        };
-        if length > BODY_BYTES {
-            return Some(refusal("413 Content Too Large"));
-        }
-        let body = body.get(..length)?;
-        let order: DirectorOrder = match serde_json::from_slice(body) {
-            Ok(order) => order,
-            Err(error) => {
-                return Some(Reply::text(
-                    "400 Bad Request",
-                    format!("no order: {error}\n"),
-                ));
-            }
-        };
-        Some(match self.director.order(&order) {
-            Ok(()) => Reply::text("202 Accepted", "handed on\n".to_owned()),
-            Err(why) => Reply::text("409 Conflict", format!("{why}\n")),
-        })
-    }
-}
-
-/// The value of a header; `?` where it is there twice or is no text, which is nobody's name.
-fn the_header<'a>(headers: &[httparse::Header<'a>], name: &str) -> Option<&'a str> {
-    let mut found = headers
-        .iter()
-        .filter(|header| header.name.eq_ignore_ascii_case(name));
-    let first = found.next()?;
-    match found.next() {
-        None => Some(std::str::from_utf8(first.value).unwrap_or("?")),
-        Some(_) => Some("?"),
-    }
-}
-
-fn refusal(status: &'static str) -> Reply {
-    Reply::text(status, format!("{status}\n"))
 }
