@@ -203,7 +203,11 @@ fn one(
 
 /// The estimate that is there, if it is the one that would be made.
 fn present(opened: &Opened, pipeline: &Pipeline, output: &Path) -> Option<Processed> {
-    let motion = ReadBack::open(output).ok()?.motion;
+    let read = ReadBack::open(output).ok()?;
+    if !read.lost().is_empty() {
+        return None;
+    }
+    let motion = read.motion;
     let scene_file = opened.scene_file.as_deref();
     let made_of = provenance(&opened.recording, &opened.scene_toml, scene_file, pipeline);
     if motion.provenance != Some(made_of) {

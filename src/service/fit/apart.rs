@@ -117,13 +117,10 @@ pub fn reduce(
 
 /// What a take says at values from none of its motions on.
 fn asked_anew(asked: &mut AskedTake, values: &DVector<f64>) -> Option<TakeShare> {
-    match asked.again(values) {
-        Some(there) => asked.at(&there),
-        None => {
-            asked.find();
-            asked.at(values)
-        }
+    if asked.again(values).is_none() {
+        asked.find();
     }
+    asked.at(values)
 }
 
 /// Joins the blocks of all rounds so far, in any order.
