@@ -17,11 +17,11 @@ unable() {
 
 "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || unable "no Python of 3.11 or later: PYTHON=$python"
 mkdir -p "$here"
-if [ ! -x "$here/venv/bin/pytest" ]; then
+if [ ! -x "$here/venv/bin/ray" ]; then
     rm -rf "$here/venv"
     "$python" -m venv "$here/venv" || unable "no module venv of $python"
-    timeout 300 "$here/venv/bin/python" -m pip install --quiet --disable-pip-version-check \
-        'maturin>=1.9,<2' 'matplotlib>=3.8' 'mypy>=1.18' 'numpy>=1.24' 'pytest>=8' 'scipy>=1.11' >"$here/pip" 2>&1 ||
+    timeout 600 "$here/venv/bin/python" -m pip install --quiet --disable-pip-version-check \
+        'maturin>=1.9,<2' 'matplotlib>=3.8' 'mypy>=1.18' 'numpy>=1.24' 'pytest>=8' 'ray[data]>=2.40,<3' 'scipy>=1.11' >"$here/pip" 2>&1 ||
         unable "no packages of PyPI: $(tail -n 1 "$here/pip")"
 fi
 bin="$here/venv/bin"
