@@ -336,6 +336,14 @@ fn blocks_that_are_there_are_kept_and_those_of_another_fit_are_refused() {
         said(&asks).contains("asks 3 takes again, round 1"),
         "{asks:?}"
     );
+    // A name that means nothing leaves no blocks.
+    let misnamed = run(&words(
+        &files,
+        &["--shared", "grvity", "--reduce", "misnamed"],
+    ));
+    assert_eq!(misnamed.status.code(), Some(1), "{misnamed:?}");
+    let folder_of = folder.path().join("misnamed/round-0");
+    assert_eq!(fs::read_dir(folder_of).expect("list").count(), 0);
     // Half of the round is not the round.
     run(&words(&files[..1], &reduce));
     let asks = run(&words(&[], &solve));

@@ -67,17 +67,24 @@ pub enum JoinedBlocks {
     Fitted(Box<FittedTakes>),
 }
 
-/// What a take says where a question asks it, at its own values without one; `None` of one that is not asked.
+/// What a take says where a question asks it, at its own values without one; `None` of one that is not asked. What is wrong with
+/// the take is in its block; fails where the names mean nothing in its scene.
 pub fn reduce(
     input: &FitInput,
     scene: Option<&Path>,
     names: &AskedNames,
     question: Option<&FitQuestion>,
-) -> Option<TakeBlock> {
+) -> anyhow::Result<Option<TakeBlock>> {
     let mut member = Member::read(0, input, scene, names);
+    if let (true, Err(why)) = (member.is_misnamed, &member.asked) {
+        bail!("{}: {why}", member.file);
+    }
     let values = match question {
         None => None,
-        Some(question) => Some(question.asked.get(&member.sha256)?.clone()),
+        Some(question) => match question.asked.get(&member.sha256) {
+            None => return Ok(None),
+            asked => asked.cloned(),
+        },
     };
     let mut block = TakeBlock {
         round: question.map_or(0, |of| of.round),
@@ -112,7 +119,7 @@ pub fn reduce(
         block.source = asked.source.clone();
         block.scene_toml = asked.scene_toml.clone();
     }
-    Some(block)
+    Ok(Some(block))
 }
 
 /// What a take says at values from none of its motions on.

@@ -117,7 +117,7 @@ fn reduced(
     let name = input.to_owned();
     let scene = None;
     let input = FitInput::Bytes { name, bytes, scene };
-    let Some(block) = reduce(&input, job.scene.as_deref(), names, question) else {
+    let Some(block) = reduce(&input, job.scene.as_deref(), names, question)? else {
         return Ok(Reduced::NotAsked);
     };
     let text = serde_json::to_vec(&block)?;

@@ -33,6 +33,8 @@ pub(super) struct Member {
     /// Whether it is an output among the inputs, or the same as another: nothing is wrong with it.
     pub(super) is_left_alone: bool,
     pub(super) is_held_out: bool,
+    /// Whether what is asked for means nothing in its scene.
+    pub(super) is_misnamed: bool,
     /// What was lost of it, and what to know.
     pub(super) notes: Vec<String>,
 }
@@ -78,6 +80,7 @@ impl Member {
             asked: Err(String::new()),
             is_left_alone: false,
             is_held_out: false,
+            is_misnamed: false,
             notes: Vec::new(),
         };
         let asked = guarded(|| member.asked(input, scene, names));
@@ -105,7 +108,9 @@ impl Member {
         let source = self.source(&take);
         let toml = String::from_utf8_lossy(&opened.scene_toml).into_owned();
         let given = opened.scene.for_reading().clone();
-        let mut asked = AskedTake::new(given, toml, source, names)?;
+        let asked = AskedTake::new(given, toml, source, names);
+        self.is_misnamed = asked.is_err();
+        let mut asked = asked?;
         asked.events = take.events;
         Ok(asked)
     }
@@ -150,6 +155,7 @@ impl Member {
             asked,
             is_left_alone: block.is_left_alone,
             is_held_out: false,
+            is_misnamed: false,
             notes: block.notes.clone(),
         }
     }

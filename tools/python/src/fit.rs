@@ -128,7 +128,8 @@ pub fn reduce_take<'py>(
         .transpose()
         .map_err(|error| refused("question", &error))?;
     let of = input(of);
-    let Some(block) = py.detach(|| reduce(&of, None, &names, question.as_ref())) else {
+    let block = py.detach(|| reduce(&of, None, &names, question.as_ref()));
+    let Some(block) = block.map_err(|error| errors::of_any(py, &error))? else {
         return Ok(None);
     };
     let text = serde_json::to_vec(&block).map_err(|error| refused("block", &error))?;
