@@ -11,6 +11,8 @@ from .refusal import Refused
 
 #: How far apart two places of one object are if it moves, in units.
 STILL = 1e-6
+#: So many corners of a mesh tell how far it is from another one.
+CORNERS = 1000
 
 
 @dataclass
@@ -168,9 +170,11 @@ class Near:
 
     def __init__(self, thing):
         mesh = shapes.evaluated(thing)
-        self.points = [vertex.co.copy() for vertex in mesh.vertices]
+        corners = [vertex.co.copy() for vertex in mesh.vertices]
         faces = [polygon.vertices[:] for polygon in mesh.polygons]
-        self.tree = BVHTree.FromPolygons(self.points, faces)
+        self.tree = BVHTree.FromPolygons(corners, faces)
+        # Of fine meshes some corners tell it.
+        self.points = corners[:: 1 + len(corners) // CORNERS]
 
     def distance(self, other, this_from_other):
         """From the corners of the one to the surface of the other and back, units of the world."""

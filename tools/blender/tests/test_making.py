@@ -322,3 +322,91 @@ def test_a_paddle_that_is_animated_hits():
     gap = stage.world(thing, happens["frame"]).translation.z - stage.world(paddle, happens["frame"]).translation.z
     assert gap == pytest.approx(0.06, abs=1e-3) and happens["contact"] == "ball on face +z"
     assert paddle.animation_data.action == action and paddle.motion_sketch.ghost is None
+
+
+def falling_on(place, restitution=0.5, size=0.1):
+    """A cube that falls from a metre above a height, level, as it was acted, and its bounce."""
+    scene = bpy.context.scene
+    scene.render.fps = 60
+    thing = stage.rigid(stage.ball("Ball", size / 2), shape="SPHERE", mass=0.2, restitution=restitution, friction=0.0)
+    t = np.linspace(0, 0.7, 84)
+    hit = np.sqrt(2 * 1.0 / stage.G)
+    up = restitution * stage.G * hit
+    z = np.where(t < hit, 1 - stage.G * t**2 / 2, up * (t - hit) - stage.G * (t - hit) ** 2 / 2)
+    places = np.array(place) + np.column_stack([0.1 * t, 0 * t, z + size / 2])
+    stage.record(thing, 1 + t * 60, places, [(1, 0, 0, 0)] * 84)
+    stage.marker("bounce", round(1 + hit * 60))
+    return thing
+
+
+def touches_at(thing):
+    stage.select(thing)
+    assert bpy.ops.motion_sketch.make_physical() == {"FINISHED"}
+    return next(of for of in thing.animation_data.action["motion_sketch_events"] if of["kind"] == "collision")
+
+
+def test_what_stands_may_be_scaled_turned_and_parented():
+    block = stage.passive(stage.box("Block", 1, 1, 1), restitution=1.0, friction=0.0)
+    parent = bpy.data.objects.new("Parent", None)
+    bpy.context.scene.collection.objects.link(parent)
+    parent.location, parent.rotation_euler = (2, 3, 1), (0, 0, 0.7)
+    block.parent, block.scale = parent, (0.5, 1.5, 0.8)
+    bpy.context.view_layer.update()
+    hit = touches_at(falling_on((2, 3, 1.4)))
+    assert hit["point"][2] == pytest.approx(1.4, abs=1e-5) and hit["normal"][2] == pytest.approx(1)
+
+
+def test_a_flat_mesh_that_leans_is_a_surface():
+    board = stage.passive(stage.plane("Board", size=4), restitution=1.0, friction=0.0)
+    board.rotation_euler = (0, 0.2, 0)
+    bpy.context.view_layer.update()
+    hit = touches_at(falling_on((0, 0, 0)))
+    assert list(hit["normal"]) == pytest.approx([np.sin(0.2), 0, np.cos(0.2)], abs=1e-6)
+
+
+def test_a_board_ends_where_it_ends(parts):
+    """Near its border a flat mesh is a board, which has edges; far from it it has no end."""
+    thing = falling_on((0, 0, 0))
+    stage.passive(stage.plane("Small", size=0.2), restitution=1.0, friction=0.0)
+    stage.select(thing)
+    assert "size_mm = [200" in parts.operators.read(bpy.context).text
+    bpy.data.objects["Small"].scale = (5, 5, 1)
+    assert "size_mm" not in parts.operators.read(bpy.context).text
+
+
+def test_the_nearest_thing_is_hit():
+    for name, height in (("Low", 0.0), ("High", 0.5)):
+        shelf = stage.passive(stage.box(name, 1, 1, 0.02), restitution=1.0, friction=0.0)
+        shelf.location.z = height - 0.01
+    bpy.data.objects["Low"].rigid_body.restitution = 0.1
+    bpy.context.view_layer.update()
+    hit = touches_at(falling_on((0, 0, 0.5)))
+    assert hit["point"][2] == pytest.approx(0.5, abs=1e-5) and "High" in hit["contact"]
+
+
+def test_without_gravity_it_flies_straight():
+    scene = bpy.context.scene
+    scene.use_gravity, scene.render.fps = False, 30
+    thing = stage.rigid(stage.box("Probe", 0.2, 0.1, 0.1))
+    t = np.linspace(0, 1, 60)
+    stage.record(thing, 1 + t * 30, np.column_stack([t, 0 * t, 0.2 * t]) + stage.wander(t, 0.01, 8), [(1, 0, 0, 0)] * 60)
+    stage.select(thing)
+    assert bpy.ops.motion_sketch.make_physical() == {"FINISHED"}
+    frames, rows = stage.keys(thing)
+    assert np.abs(np.diff(rows[:, :3], n=2, axis=0)).max() < 1e-5
+
+
+def test_a_frame_rate_with_a_base():
+    scene = bpy.context.scene
+    thing, table, hit, last = stage.tossed_ball(fps=24)
+    scene.render.fps_base = 1.001
+    curves = stage.curves(thing)
+    for curve in curves.values():
+        for point in curve.keyframe_points:
+            point.co[0] = 1 + (point.co[0] - 1) / 1.001
+        curve.update()
+    stage.select(thing)
+    assert bpy.ops.motion_sketch.make_physical() == {"FINISHED"}
+    happens = next(of for of in thing.animation_data.action["motion_sketch_events"] if of["kind"] == "collision")
+    assert happens["frame"] == pytest.approx(1 + (hit - 1) / 1.001, abs=0.1)
+    assert happens["time_s"] == pytest.approx((hit - 1) / 24, abs=0.004)
