@@ -2,6 +2,7 @@
 """What a motion says of itself, for the panel: kept with the scene as text."""
 
 import json
+import re
 
 from . import motion
 
@@ -15,6 +16,8 @@ FITS = {
     "no": "it does not explain what was acted",
     "unknown": "whether it explains what was acted is not known",
 }
+#: A time in what is said.
+WHEN = re.compile(r"at (\d+\.\d+) s\b")
 #: Suspects that are shown.
 SHOWN = 3
 
@@ -27,7 +30,7 @@ def said_of(solved):
         "verdict": estimate.verdict,
         "reason": estimate.reason,
         "fit": estimate.fit,
-        "against": [*estimate.against, *(f"nothing touches at `{of}`" for of in missed(report))],
+        "against": [framed(solved, of) for of in (*estimate.against, *(f"nothing touches at `{of}`" for of in missed(report)))],
         "undetermined": list(estimate.undetermined),
         "events": [event(solved, of) for of in estimate.events],
         "suspects": [suspect(of) for of in report["suspects"][:SHOWN]],
@@ -37,6 +40,11 @@ def said_of(solved):
         "next": next_of(estimate, report),
         "freed": {name: {"value": of.value, "sd": of.sd, "unit": of.unit} for name, of in estimate.parameters.items()},
     }
+
+
+def framed(solved, text):
+    """The same with the frame beside each time."""
+    return WHEN.sub(lambda of: f"{of[0]} (frame {motion.frame_of(solved, float(of[1])):.1f})", text)
 
 
 def missed(report):
@@ -70,6 +78,8 @@ def next_of(estimate, report):
         return "Move the marker to the impact, remove a goal, or let the tempo be unknown"
     if rest and not rest["reached"]:
         return "Let the labels be free, ask for other faces, or act another throw"
+    if report["verification"] and report["verification"]["deepest"]:
+        return "It goes into something: mark the bounce there, or put the end before it"
     if estimate.verdict == "plausible" and report["goals"]:
         return "Give a goal room (Within), make it a wish, or set the bounciness free"
     if estimate.verdict == "plausible":

@@ -410,3 +410,17 @@ def test_a_frame_rate_with_a_base():
     happens = next(of for of in thing.animation_data.action["motion_sketch_events"] if of["kind"] == "collision")
     assert happens["frame"] == pytest.approx(1 + (hit - 1) / 1.001, abs=0.1)
     assert happens["time_s"] == pytest.approx((hit - 1) / 24, abs=0.004)
+
+
+def test_what_goes_into_something_is_said_with_its_frame(parts):
+    """The ball falls on and is in the table at the last key, and nobody marked a bounce."""
+    bpy.context.scene.render.fps = 60
+    thing = stage.rigid(stage.ball("Ball", 0.05), shape="SPHERE")
+    stage.passive(stage.plane())
+    t = np.linspace(0, 0.4, 48)
+    stage.record(thing, 101 + t * 60, np.column_stack([0.1 * t, 0 * t, 0.8 - stage.G * t**2 / 2]), [(1, 0, 0, 0)] * 48)
+    stage.select(thing)
+    bpy.ops.motion_sketch.make_physical()
+    said = parts.account.kept(bpy.context.scene)
+    assert any("inside `Table`" in of and "(frame 125.0)" in of for of in said["against"]), said["against"]
+    assert said["next"].startswith("It goes into something")
