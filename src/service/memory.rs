@@ -89,7 +89,7 @@ impl TakeInMemory {
     /// Marks that its streams show, as [`mark`](super::mark()) proposes them.
     pub fn propose(&self, count: Option<usize>) -> anyhow::Result<Vec<MarkProposal>> {
         let pipeline = self.opened.scene.pipeline(self.take.events.iter().cloned());
-        Ok(guarded(|| Ok(pipeline.propose(count)?))?)
+        guarded(|| Ok(pipeline.propose(count)?))
     }
 
     /// Estimates the motion; whether it is freed and diagnosed is as [`ReplayJob`](super::ReplayJob) says. A bug is an error. With it

@@ -420,6 +420,10 @@ def test_what_goes_into_something_is_said_with_its_frame(parts):
     t = np.linspace(0, 0.4, 48)
     stage.record(thing, 101 + t * 60, np.column_stack([0.1 * t, 0 * t, 0.8 - stage.G * t**2 / 2]), [(1, 0, 0, 0)] * 48)
     stage.select(thing)
+    bpy.context.scene.frame_set(125)
+    bpy.ops.motion_sketch.add_goal(goal="POSE")
+    bpy.data.objects["Ball pose"].motion_sketch.is_turn = False
+    stage.select(thing)
     bpy.ops.motion_sketch.make_physical()
     said = parts.account.kept(bpy.context.scene)
     assert any("inside `Table`" in of and "(frame 125.0)" in of for of in said["against"]), said["against"]
