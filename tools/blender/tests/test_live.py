@@ -149,6 +149,23 @@ def test_another_file_ends_it(parts, dragged):
     assert parts.live.state is None and parts.handlers.timer() is None
 
 
+def test_a_die_that_is_to_show_a_face_is_followed(parts):
+    from test_goals import goal, thrown_die
+
+    thing, *_ = thrown_die()
+    goal("FACES", thing).motion_sketch.free_labels = True
+    stage.select(thing)
+    assert bpy.ops.motion_sketch.live() == {"FINISHED"}
+    try:
+        pump(parts)
+        lies = parts.live.state.paths["Die"][-1][2]
+        bpy.data.objects["Table"].location.z = -0.02
+        pump(parts)
+        assert parts.live.state.paths["Die"][-1][2] == pytest.approx(lies - 0.02, abs=2e-3), parts.live.state.words
+    finally:
+        parts.live.end()
+
+
 def test_dragging_for_long_takes_no_more_memory(parts, dragged):
     """As many changes as ten minutes at 30 a second would make, a tenth of them by default."""
     goal, thing, last = dragged

@@ -298,6 +298,44 @@ def test_an_estimate_in_a_thread_tells_its_phase_and_is_stopped(parts):
     assert stopped.is_done and not isinstance(stopped.found, parts.refusal.Refused)
 
 
+def in_a_window(parts, thing, event_types):
+    """What the modal operator does there, event by event: what it returned, and what it said. A window alone would call it."""
+    from types import SimpleNamespace
+
+    stage.select(thing)
+    said = []
+    manager = SimpleNamespace(event_timer_remove=lambda timer: said.append("timer removed"))
+    workspace = SimpleNamespace(status_text_set=lambda text: said.append(text))
+    context = SimpleNamespace(scene=bpy.context.scene, window_manager=manager, workspace=workspace)
+    modal = parts.operators.MakePhysical
+    operator = SimpleNamespace(timer=1, report=lambda level, words: said.append((level, words)))
+    operator.end = lambda *of: modal.end(operator, *of)
+    parts.working.current = parts.working.Work(parts.operators.read(bpy.context))
+    for kind in event_types:
+        done = modal.modal(operator, context, SimpleNamespace(type=kind))
+    parts.working.current and parts.working.current.thread.join(30)
+    while done == {"PASS_THROUGH"}:
+        done = modal.modal(operator, context, SimpleNamespace(type="TIMER"))
+    assert parts.working.current is None and "timer removed" in said
+    return done, said
+
+
+def test_progress_is_shown_and_it_ends_with_an_action(parts):
+    thing, *_ = stage.tossed_ball(strays=0.01)
+    done, said = in_a_window(parts, thing, ["MOUSEMOVE", "TIMER"])
+    assert done == {"FINISHED"} and thing.animation_data.action.name == "Ball physical"
+    assert any(isinstance(of, str) and of.startswith("Motion Sketch: ") for of in said), said
+
+
+def test_escape_stops_it_and_nothing_changes(parts):
+    thing, *_ = stage.tossed_ball(strays=0.01)
+    stage.select(thing)
+    before = stage.snapshot()
+    done, said = in_a_window(parts, thing, ["ESC"])
+    assert done == {"CANCELLED"} and ({"WARNING"}, "stopped: the scene is as it was") in said
+    assert stage.snapshot() == before
+
+
 def test_a_paddle_that_is_animated_hits():
     """A passive object with an action is in a hand: it goes as it does, and the ball bounces off it."""
     scene = bpy.context.scene
