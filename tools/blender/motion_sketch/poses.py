@@ -6,7 +6,6 @@ from mathutils import Euler, Matrix, Quaternion
 from . import channels
 from .refusal import Refused
 
-EULERS = {"XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"}
 #: What a sum of rounding errors makes of a scale of one.
 NEARLY = 1e-5
 

@@ -104,7 +104,7 @@ def read(scene, chosen, is_live=False):
         markers.begin(found, first)
     last = min(last, next(of.frame for of in found if of.kind == "end"))
     frames = frames_between(first, last, units)
-    bodies = [flying(of, sources[of.name][0], moved[of.name], frames, units, settings) for of in chosen]
+    bodies = [flying(of, moved[of.name], frames, units, settings) for of in chosen]
     stands = around(scene, chosen, bodies, frames, units)
     bodies += [of for of in stands if isinstance(of, things.Body)]
     stands = [of for of in stands if isinstance(of, things.Standing)]
@@ -173,7 +173,7 @@ def check_alone(thing):
         raise Refused(thing.name, f"{by} moves it too, expected its action alone: mute it, or bake it (Object > Animation)")
 
 
-def flying(thing, source, moved, frames, units, settings):
+def flying(thing, moved, frames, units, settings):
     """A body with its samples, or its keys alone."""
     if settings.reads == "KEYS":
         keyed = [of for of in moved.own.frames() if frames[0] <= of <= frames[-1]]
@@ -181,7 +181,7 @@ def flying(thing, source, moved, frames, units, settings):
             raise Refused(thing.name, f"{len(keyed)} keys in the interval, expected two at least")
         frames = [float(of) for of in keyed]
     scale = one_scale(thing.name, moved, frames)
-    of = things.body(thing, source, units, scale)
+    of = things.body(thing, units, scale)
     sample(of, moved, frames, units)
     return of
 

@@ -20,7 +20,6 @@ class Body:
     """Something that flies, or that moves as it is animated and is hit."""
 
     thing: object
-    source: object
     table: dict
     held: bool = False
     #: Frames of the samples, places in metres, quaternions w x y z.
@@ -81,11 +80,11 @@ def check_joints(scene, things):
                 raise Refused(holder.name, what)
 
 
-def body(thing, source, units, scale):
+def body(thing, units, scale):
     """The table of what flies; its frame is the object's, without a scale."""
     settings = thing.rigid_body
     table = shapes.shape_of(thing, units.mm * scale, 1e3 * settings.mass)
-    return Body(thing, source, {"name": thing.name} | table)
+    return Body(thing, {"name": thing.name} | table)
 
 
 def held(thing, units, scale):
@@ -94,7 +93,7 @@ def held(thing, units, scale):
     # Nothing deflects it: it has no mass.
     without = {"mass_g", "centre_mm", "inertia_kg_m2"}
     table = {key: value for key, value in table.items() if key not in without}
-    return Body(thing, thing, {"name": thing.name, "held": True} | table, held=True)
+    return Body(thing, {"name": thing.name, "held": True} | table, held=True)
 
 
 def is_animated(moved, frames):
