@@ -22,7 +22,8 @@
 //! | record → viewers | 256 poses, 60 a second and stream | not shown, and counted |
 //! | preview, finals → viewers | 1 estimate | the newest replaces it |
 //! | server → all viewers | 512 messages, and 4 great ones | who is slower than that misses the oldest, and they are counted |
-//! | page → record | 64 orders | refused |
+//! | operator's page → record | 64 orders | refused |
+//! | acting pages → record | 2048 readings and orders | dropped: the hole in the sequence is counted as missing |
 //! | → publisher | 256 | recorder: dropped and logged; estimators wait |
 //! | publisher → account | 1024 | dropped and logged |
 //!
@@ -79,6 +80,8 @@
 //! operator's page, and in a file that only the user can read. Who asks must ask for `localhost`, an address in
 //! numbers, or one of `hosts`. A port that is in use is an error at the start. Lichtblick supports `foxglove.sdk.v1` since the end of 2025 (its pull request
 //! 819); earlier versions are refused.
+//!
+//! With `--acting` a page in a browser may be a tracker: `acting` says how, and what it may not.
 //!
 //! Nothing that happens at the ports reaches recording. There may be 128 connections at each port that have
 //! not said yet what they want, the oldest of which makes room for one more, and 32 viewers; fewer

@@ -46,6 +46,10 @@ export async function pictures({ browser, daemon, folder, enact }) {
       await act.page.waitForTimeout(700);
       await shoot(act, "acting");
       const operator = await opened(browser, daemon.ready.page, how);
+      await operator.page.waitForSelector("#last:not([hidden])");
+      const top = join(folder, `operator-top-${size}-${colorScheme}.png`);
+      await operator.page.screenshot({ path: top });
+      made.push(top);
       await plays(operator.page, "#last");
       await shoot(operator, "operator");
       const page = await opened(browser, ofReport, how);

@@ -120,7 +120,7 @@ export class View {
     const fixed = new THREE.Box3();
     for (const node of this.fixed.children) if (![...this.live.values()].includes(node)) fixed.expandByObject(node);
     const size = fixed.isEmpty() ? new THREE.Vector3(0.4, 0.4, 0.4) : fixed.getSize(new THREE.Vector3());
-    this.radius = Math.min(2, Math.max(0.4, 0.7 * size.length()));
+    this.radius = Math.min(2, Math.max(0.4, 0.5 * size.length()));
     if (!fixed.isEmpty()) fixed.getCenter(this.middle);
     this.middle.z += 0.45 * this.radius;
     this.#look();

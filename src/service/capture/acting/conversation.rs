@@ -29,6 +29,9 @@ const STALL: Duration = Duration::from_secs(10);
 /// Interval of pings; a page that has said nothing since the one before the last has gone.
 const PING: Duration = Duration::from_secs(3);
 
+/// A stream on which something came within so long is another tracker's \[s\].
+const RECENT_S: f64 = 1.0;
+
 /// How much of what was held up may come at once \[s\].
 const HELD_UP_S: f64 = 2.0;
 
@@ -202,7 +205,10 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> Conversation<'a, S> {
         let is_sent = {
             let status = self.acting.status.borrow();
             let tracker = status.trackers.get(stream);
-            tracker.is_some_and(|tracker| tracker.state == Presence::Sending)
+            tracker.is_some_and(|tracker| {
+                let is_recent = tracker.seen_s.is_some_and(|seen_s| seen_s < RECENT_S);
+                tracker.state == Presence::Sending && is_recent
+            })
         };
         let claims = &self.acting.claims;
         claims.take(stream, self.key, self.session, is_sent)
