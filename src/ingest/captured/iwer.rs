@@ -13,7 +13,7 @@ const POSE: usize = 7;
 
 /// What a source has, and what was seen of it.
 #[derive(Debug, Default)]
-struct Source {
+struct InputSource {
     name: String,
     has_grip: bool,
     has_hand: bool,
@@ -30,7 +30,7 @@ pub(super) fn session(value: &Value) -> Option<Result<CapturedSession, String>> 
 }
 
 fn read(schema: &[Value], frames: &[Value]) -> Result<CapturedSession, String> {
-    let mut sources: Vec<(u64, Source)> = Vec::new();
+    let mut sources: Vec<(u64, InputSource)> = Vec::new();
     for (index, entry) in schema.iter().enumerate() {
         let number = entry.get(0).and_then(Value::as_u64);
         let number =
@@ -67,10 +67,10 @@ fn read(schema: &[Value], frames: &[Value]) -> Result<CapturedSession, String> {
     Ok(session.sort())
 }
 
-fn source(number: u64, of: &Value) -> Source {
+fn source(number: u64, of: &Value) -> InputSource {
     let has = |name: &str| of.get(name).and_then(Value::as_bool) == Some(true);
     let hand = of.get("handedness").and_then(Value::as_str);
-    Source {
+    InputSource {
         name: match hand {
             Some(hand) if hand != "none" => hand.to_owned(),
             _ => format!("source {number}"),
@@ -78,11 +78,11 @@ fn source(number: u64, of: &Value) -> Source {
         has_grip: has("hasGrip"),
         has_hand: has("hasHand"),
         has_gamepad: has("hasGamepad"),
-        ..Source::default()
+        ..InputSource::default()
     }
 }
 
-impl Source {
+impl InputSource {
     /// Takes in what a row says of it; whether its trigger went down. `None` where it is not what its schema says.
     fn take(&mut self, time_ms: f64, of: &[Value]) -> Option<bool> {
         let mut rest = of.get(POSE..)?.iter();

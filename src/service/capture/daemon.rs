@@ -14,7 +14,7 @@ use tokio::sync::watch;
 
 use super::acting::page::{ActingPage, page_text};
 use super::acting::pairing::Pairing;
-use super::acting::{Acting, ActingParts};
+use super::acting::{ActingParts, ActingStage};
 use super::director::Director;
 use super::estimator::finals;
 use super::event::{CaptureEvent, Status};
@@ -469,12 +469,12 @@ impl Doors<'_> {
         &self,
         status: &watch::Receiver<Status>,
         acted: SyncSender<Arrival>,
-    ) -> anyhow::Result<Option<Acting>> {
+    ) -> anyhow::Result<Option<ActingStage>> {
         let Some(html) = &self.acting_html else {
             return Ok(None);
         };
         let director = Director::new(self.scene, acted, status.clone(), self.token);
-        Ok(Some(Acting::new(ActingParts {
+        Ok(Some(ActingStage::new(ActingParts {
             html: html.as_bytes().into(),
             pairing: Pairing::new().context("no random bytes for a pairing code")?,
             scene: self.scene,

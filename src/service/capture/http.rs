@@ -30,7 +30,7 @@ use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
 
-use super::acting::{Acting, Upgraded, derive_accept_key};
+use super::acting::{self, ActingStage, Upgraded, derive_accept_key};
 use super::director::Director;
 use super::event::Status;
 use super::gate::{Gate, GatePlaces, Waiting};
@@ -56,7 +56,7 @@ pub(super) struct Pages {
     pub(super) director: Director,
     pub(super) origins: Origins,
     /// The acting page, if it is served.
-    pub(super) acting: Option<Arc<Acting>>,
+    pub(super) acting: Option<Arc<ActingStage>>,
 }
 
 /// Listens on an address and answers in tasks of its own; returns the bound address.
@@ -131,7 +131,7 @@ impl Pages {
     /// Talks with the acting page to the end of its connection.
     pub(super) async fn act<S: AsyncRead + AsyncWrite + Unpin>(&self, upgraded: Upgraded<S>) {
         if let Some(acting) = &self.acting {
-            acting.serve(upgraded).await;
+            acting::serve(acting, upgraded).await;
         }
     }
 

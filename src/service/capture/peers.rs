@@ -11,7 +11,7 @@ use tokio::runtime::Runtime;
 use tokio::sync::{Semaphore, watch};
 
 use super::acting::pairing::Pairing;
-use super::acting::{Acting, ActingParts};
+use super::acting::{ActingParts, ActingStage};
 use super::director::Director;
 use super::event::Status;
 use super::gate::Gate;
@@ -130,7 +130,7 @@ impl Ports {
             let orders = order_sender.clone();
             Director::new(&scene, orders, status.subscribe(), token)
         };
-        let acting = Acting::new(ActingParts {
+        let acting = ActingStage::new(ActingParts {
             html: b"<!doctype html>".as_slice().into(),
             pairing: Pairing::with_code(CODE.to_owned()),
             scene: &scene,

@@ -254,6 +254,9 @@ fn a_page_acts_a_take_and_is_given_its_verdict_and_its_motion() {
     again.say(&json!({"say": "resume", "key": key}));
     again.hear("paired");
     again.say(&json!({"say": "act", "stream": 0}));
+    // A refusal says that what was said before was heard.
+    again.say(&json!({"say": "mark", "event": "no such", "device_ns": 0}));
+    again.hear("refused");
     assert!(again.reading(0, device_ns, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]));
     assert!(page.reading(sequence, device_ns, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]));
     let refused = page.hear("refused");

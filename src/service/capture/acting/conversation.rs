@@ -16,8 +16,8 @@ use super::super::take::now_ns;
 use super::allowance::Allowance;
 use super::device_clock::DeviceClock;
 use super::greeting::{refusal_text, state_text};
-use super::message::{PageText, Readings};
-use super::{Acting, READINGS_PER_SECOND, TEXTS_PER_SECOND};
+use super::message::{PageReadings, PageText};
+use super::stage::{ActingStage, READINGS_PER_SECOND, TEXTS_PER_SECOND};
 use crate::ingest::live::{NO_TIME, PoseRecord, Token};
 
 /// How long a page may take to say the code.
@@ -36,8 +36,8 @@ const RECENT_S: f64 = 1.0;
 const HELD_UP_S: f64 = 2.0;
 
 /// A page that was let in.
-pub(super) struct Conversation<'a, S> {
-    acting: &'a Acting,
+pub(super) struct PageConversation<'a, S> {
+    acting: &'a ActingStage,
     socket: WebSocketStream<S>,
     key: Token,
     session: u32,
@@ -47,11 +47,15 @@ pub(super) struct Conversation<'a, S> {
 }
 
 /// It is over, with what the page is told of it.
-struct Over(&'static str);
+struct PageOver(&'static str);
 
-impl<'a, S: AsyncRead + AsyncWrite + Unpin> Conversation<'a, S> {
+impl<'a, S: AsyncRead + AsyncWrite + Unpin> PageConversation<'a, S> {
     /// Lets a page in that knows the code, and listens to it until it goes or is sent away.
-    pub(super) async fn hold(acting: &'a Acting, mut socket: WebSocketStream<S>, waiting: Waiting) {
+    pub(super) async fn hold(
+        acting: &'a ActingStage,
+        mut socket: WebSocketStream<S>,
+        waiting: Waiting,
+    ) {
         let first = tokio::time::timeout(PATIENCE, socket.next()).await;
         let key = match first {
             Ok(Some(Ok(Message::Text(text)))) => let_in(acting, &text),
@@ -88,7 +92,7 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> Conversation<'a, S> {
         };
         let over = page.run().await;
         acting.claims.leave(page.session);
-        if let Err(Over(why)) = over {
+        if let Err(PageOver(why)) = over {
             let close = CloseFrame {
                 code: CloseCode::Policy,
                 reason: why.into(),
@@ -97,7 +101,7 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> Conversation<'a, S> {
         }
     }
 
-    async fn run(&mut self) -> Result<(), Over> {
+    async fn run(&mut self) -> Result<(), PageOver> {
         let mut status = self.acting.status.clone();
         let mut takes = self.acting.metrics.history.changes();
         self.send(self.acting.greeting.text(&self.key)).await?;
@@ -130,7 +134,7 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> Conversation<'a, S> {
                 // Closed once the recorder has ended.
                 changed = status.changed() => {
                     if changed.is_err() {
-                        return Err(Over("the daemon ends"));
+                        return Err(PageOver("the daemon ends"));
                     }
                     self.say_state().await?;
                 }
@@ -138,7 +142,7 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> Conversation<'a, S> {
                 _ = pings.tick() => {
                     unanswered += 1;
                     if unanswered > 2 {
-                        return Err(Over("no ping was answered"));
+                        return Err(PageOver("no ping was answered"));
                     }
                     self.sent(Message::Ping(Bytes::new())).await?;
                 }
@@ -147,13 +151,13 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> Conversation<'a, S> {
     }
 
     /// Takes readings in; what is refused, in words.
-    fn readings(&mut self, bytes: &[u8]) -> Result<Option<String>, Over> {
-        let read = match Readings::read(bytes) {
+    fn readings(&mut self, bytes: &[u8]) -> Result<Option<String>, PageOver> {
+        let read = match PageReadings::read(bytes) {
             Ok(read) => read,
             Err(error) => return self.count_text().map(|()| Some(error.to_string())),
         };
         if !self.readings.take(read.records.len(), Instant::now()) {
-            return Err(Over("more readings than a tracker sends"));
+            return Err(PageOver("more readings than a tracker sends"));
         }
         if !self.acting.claims.has(read.stream, self.session) {
             self.count_text()?;
@@ -178,7 +182,7 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> Conversation<'a, S> {
     }
 
     /// Does what a text says; what is refused, in words.
-    fn text(&mut self, text: &str) -> Result<Option<String>, Over> {
+    fn text(&mut self, text: &str) -> Result<Option<String>, PageOver> {
         self.count_text()?;
         let said = match PageText::read(text) {
             Ok(said) => said,
@@ -214,14 +218,14 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> Conversation<'a, S> {
         claims.take(stream, self.key, self.session, is_sent)
     }
 
-    fn count_text(&mut self) -> Result<(), Over> {
+    fn count_text(&mut self) -> Result<(), PageOver> {
         match self.texts.take(1, Instant::now()) {
             true => Ok(()),
-            false => Err(Over("more messages than a page sends")),
+            false => Err(PageOver("more messages than a page sends")),
         }
     }
 
-    async fn say_state(&mut self) -> Result<(), Over> {
+    async fn say_state(&mut self) -> Result<(), PageOver> {
         let metrics = &self.acting.metrics;
         let troubles = metrics.health.troubles(Instant::now());
         let takes = metrics.history.takes();
@@ -229,23 +233,23 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> Conversation<'a, S> {
         self.send(text).await
     }
 
-    async fn send(&mut self, text: String) -> Result<(), Over> {
+    async fn send(&mut self, text: String) -> Result<(), PageOver> {
         self.sent(Message::text(text)).await
     }
 
-    async fn sent(&mut self, message: Message) -> Result<(), Over> {
+    async fn sent(&mut self, message: Message) -> Result<(), PageOver> {
         let sent = tokio::time::timeout(STALL, self.socket.send(message)).await;
         taken(sent)
     }
 
-    async fn flush(&mut self) -> Result<(), Over> {
+    async fn flush(&mut self) -> Result<(), PageOver> {
         let sent = tokio::time::timeout(STALL, self.socket.flush()).await;
         taken(sent)
     }
 }
 
 /// The key of a page whose first message lets it in; else why it does not, in words.
-fn let_in(acting: &Acting, text: &str) -> Result<Token, String> {
+fn let_in(acting: &ActingStage, text: &str) -> Result<Token, String> {
     let paired = match PageText::read(text) {
         Ok(PageText::Pair { code }) => acting.pairing.pair(&code, Instant::now()),
         Ok(PageText::Resume { key }) => acting.pairing.resume(&key),
@@ -256,10 +260,10 @@ fn let_in(acting: &Acting, text: &str) -> Result<Token, String> {
 }
 
 /// What was sent is taken, or it is over.
-fn taken<T, E, F>(sent: Result<Result<T, E>, F>) -> Result<(), Over> {
+fn taken<T, E, F>(sent: Result<Result<T, E>, F>) -> Result<(), PageOver> {
     match sent {
         Ok(Ok(_)) => Ok(()),
-        Ok(Err(_)) => Err(Over("the connection broke")),
-        Err(_) => Err(Over("this page does not read")),
+        Ok(Err(_)) => Err(PageOver("the connection broke")),
+        Err(_) => Err(PageOver("this page does not read")),
     }
 }

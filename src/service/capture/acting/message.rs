@@ -71,9 +71,9 @@ pub(super) enum PageText {
     },
 }
 
-/// Readings of a stream.
+/// PageReadings of a stream.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Readings {
+pub(super) struct PageReadings {
     /// Index of the stream.
     pub(super) stream: usize,
     /// At least one, as sent.
@@ -113,7 +113,7 @@ impl PageText {
     }
 }
 
-impl Readings {
+impl PageReadings {
     /// The readings in bytes.
     pub(super) fn read(bytes: &[u8]) -> Result<Self, MessageError> {
         let length = || MessageError::Length(bytes.len());
@@ -153,20 +153,23 @@ mod tests {
     fn readings_come_as_they_were_sent() {
         let records: Vec<PoseRecord> = (0..READINGS as u64).map(PoseRecord::numbered).collect();
         for count in [1, 2, READINGS] {
-            let read = Readings::read(&bytes(3, &records[..count])).expect("readings");
+            let read = PageReadings::read(&bytes(3, &records[..count])).expect("readings");
             assert_eq!((read.stream, &read.records[..]), (3, &records[..count]));
         }
         let more = [&records[..], &records[..1]].concat();
         for wrong in [bytes(3, &[]), bytes(3, &more), vec![0; 7], Vec::new()] {
             let expected = Err(MessageError::Length(wrong.len()));
-            assert_eq!(Readings::read(&wrong), expected);
+            assert_eq!(PageReadings::read(&wrong), expected);
         }
         let mut odd = records[0];
         odd.flags = 2;
-        assert_eq!(Readings::read(&bytes(3, &[odd])), Err(MessageError::Bits));
+        assert_eq!(
+            PageReadings::read(&bytes(3, &[odd])),
+            Err(MessageError::Bits)
+        );
         let mut head = bytes(3, &records[..1]);
         head[5] = 1;
-        assert_eq!(Readings::read(&head), Err(MessageError::Bits));
+        assert_eq!(PageReadings::read(&head), Err(MessageError::Bits));
     }
 
     #[test]
@@ -209,7 +212,7 @@ mod tests {
                 }),
             ],
         ) {
-            if let Ok(read) = Readings::read(&given) {
+            if let Ok(read) = PageReadings::read(&given) {
                 let stream = u32::try_from(read.stream).expect("32 bits");
                 // NaN is not equal to itself, its bits are.
                 prop_assert_eq!(bytes(stream, &read.records), given);
