@@ -89,7 +89,12 @@ fn sha256(path: &Path) -> String {
 fn drawing(text: &str) -> Drawing {
     let document = roxmltree::Document::parse(text).unwrap_or_else(|error| panic!("{error}"));
     let named = |name: &'static str| {
-        let all = document.descendants();
+        // What is played is not there until somebody plays it.
+        let is_played = |node: &roxmltree::Node| {
+            let mut above = node.ancestors();
+            above.any(|of| of.attribute("class") == Some("played"))
+        };
+        let all = document.descendants().filter(move |node| !is_played(node));
         all.filter(move |node| {
             node.has_tag_name(("http://www.w3.org/2000/svg", name)) || node.has_tag_name(name)
         })
