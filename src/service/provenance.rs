@@ -5,7 +5,11 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use crate::ingest::Recording;
+#[cfg(feature = "live")]
+use crate::motion::Scene;
 use crate::pipeline::Pipeline;
+#[cfg(feature = "live")]
+use crate::report::ExportProvenance;
 use crate::report::{Provenance, command_line};
 
 /// Program and version.
@@ -30,6 +34,21 @@ pub(super) fn made_by(command: &str, toml: &str) -> String {
         .map(|of| if of.is_control() { '?' } else { of })
         .collect();
     format!("# Made by {PROGRAM}: {command}\n{toml}")
+}
+
+/// From what the daemon makes what pages show before there is a file: a scene.
+#[cfg(feature = "live")]
+pub(super) fn scene_provenance(scene: &Scene, verdict: &str) -> ExportProvenance {
+    ExportProvenance {
+        program: PROGRAM.to_owned(),
+        command: "enact capture".to_owned(),
+        recording: String::new(),
+        recording_sha256: String::new(),
+        scene: scene.name.clone(),
+        scene_sha256: String::new(),
+        verdict: verdict.to_owned(),
+        estimate: None,
+    }
 }
 
 /// From what an estimate is made: a recording, a scene's text and the file of that if it is not attached, and what was

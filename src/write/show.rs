@@ -10,13 +10,15 @@ use std::path::Path;
 use super::drawing;
 use super::error::WriteError;
 use super::estimate::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME};
+use super::export::{ExportedBody, Key, glb};
 use super::topics;
 use typed_index_collections::TiSlice;
 
 use crate::math::Pose;
 use crate::motion::{LinkIndex, Mark, PoseSample, Scene, Stamp, TrackIndex};
 use crate::report::{
-    EstimateMessage, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMapMessage, json,
+    EstimateMessage, ExportProvenance, REPORT_SCHEMA, Reported, TIME_MAP_SCHEMA, TimeMapMessage,
+    json,
 };
 use crate::sampling::{self, SampledMotion};
 use crate::visual::patches;
@@ -123,6 +125,27 @@ impl Showing {
     /// How long the motion lasts \[s\].
     pub fn duration_s(&self) -> f64 {
         self.until.seconds_since(self.from)
+    }
+
+    /// The motion as binary glTF, beside the performance; `None` where nothing moves.
+    pub fn glb(&self, scene: &Scene, provenance: &ExportProvenance) -> Option<Vec<u8>> {
+        let key = |sample: &PoseSample| Key {
+            sample: *sample,
+            event: None,
+            is_exact: true,
+        };
+        let moving = scene.links.keys();
+        let moving = moving.filter(|link| !self.motion.estimates[*link].is_empty());
+        let bodies: Vec<ExportedBody> = moving
+            .map(|link| ExportedBody {
+                link,
+                keys: self.motion.estimates[link].iter().map(key).collect(),
+                acted: self.motion.sketches[link].iter().map(key).collect(),
+            })
+            .collect();
+        let zero = self.motion.zero;
+        let is_moving = !bodies.is_empty();
+        is_moving.then(|| glb(scene, &bodies, zero, DEFAULT_FRAME_RATE_HZ, provenance))
     }
 
     /// Where a link's estimate and its performance are so long after the beginning, stamped

@@ -39,8 +39,12 @@ pub(super) struct TakeLine {
     picture: Option<Arc<str>>,
     /// Whether there is its motion, beside what was acted, as glTF.
     has_motion: bool,
+    /// How often the motion was made anew: first so far, at marks, then as it is in the file.
+    motions: u32,
     #[serde(skip)]
     motion: Option<Arc<[u8]>>,
+    /// The verdict so far, before the take is estimated.
+    so_far: Option<&'static str>,
 }
 
 /// The last takes.
@@ -106,6 +110,7 @@ impl History {
         }
         self.change_known(take, |line| {
             line.has_motion = true;
+            line.motions += 1;
             line.motion = Some(glb.into());
         });
     }
@@ -162,6 +167,9 @@ impl History {
                 line.output = Some(report.output.clone());
                 let doubt = estimate.doubts.first().map(|doubt| &doubt.text);
                 line.text.clone_from(doubt.unwrap_or(&estimate.reason));
+            }),
+            CaptureEvent::SoFar { take, verdict, .. } => self.change_known(*take, |line| {
+                line.so_far = Some(*verdict);
             }),
             CaptureEvent::NotEstimated { take, error, .. } => self.change(*take, |line| {
                 line.state = "not estimated".to_owned();

@@ -17,10 +17,13 @@ use super::event::CaptureEvent;
 use super::metrics::Metrics;
 use super::notice::{Notice, Shown, Speaker};
 use crate::motion::{Observer, Scene, TakeEvent};
-use crate::pipeline::Preview;
-use crate::report::{gravest, plain};
+use crate::pipeline::{Outcome, Preview};
+use crate::report::{Reported, gravest, plain};
+use crate::service::finish::reported;
 use crate::service::panics::guarded;
+use crate::service::provenance::scene_provenance;
 use crate::service::words;
+use crate::write::show::Showing;
 
 /// After an estimate that takes longer than this, the thread rests four times as long.
 const BURDEN: Duration = Duration::from_millis(50);
@@ -130,6 +133,24 @@ impl Previewer {
         }
     }
 
+    /// Keeps the motion so far for the pages: they play it from the end of the take until the checked one is there.
+    fn play(&self, take: u64, outcome: &Outcome) {
+        let provenance = scene_provenance(&outcome.scene, outcome.estimate.verdict.as_str());
+        let showing = Showing::new(&Reported {
+            settled: None,
+            rest: None,
+            ..reported(outcome)
+        });
+        match showing {
+            Ok(showing) => {
+                if let Some(glb) = showing.glb(&outcome.scene, &provenance) {
+                    self.metrics.history.keep_motion(take, glb);
+                }
+            }
+            Err(error) => tracing::debug!(take, %error, "not played"),
+        }
+    }
+
     /// Makes an estimate, shows it, and publishes it after a mark; returns how long it took.
     fn estimate(&self, following: &mut PreviewFollowing) -> Duration {
         let (take, marks) = (following.take, following.marks);
@@ -146,6 +167,7 @@ impl Previewer {
                 self.shown.send_replace(Some(Arc::new(outcome.clone())));
                 if marks > following.told {
                     following.told = marks;
+                    self.play(take, &outcome);
                     let said = CaptureEvent::SoFar {
                         take,
                         marks,

@@ -141,6 +141,7 @@ function refused(why) {
 
 /** The words of what became of a take, with a class that says how good that is. */
 function became(of) {
+  if (of.state === "estimating" && of.so_far) return [`take ${of.take}: ${of.so_far} so far, and is being checked`, ""];
   if (of.is_good) return [`take ${of.take}: ${of.state}`, "good"];
   const quality = of.is_good === null ? "" : of.is_good ? "good" : of.state === "broken" ? "bad" : "poor";
   return [of.text ? `take ${of.take}: ${of.state}: ${of.text}` : `take ${of.take}: ${of.state}`, quality];
@@ -169,18 +170,27 @@ function state(said) {
   }
   say(isOver && ended?.take === last.take ? `${text} (${afterEnd()})` : text, quality);
   document.body.dataset.verdict = isOver ? `${last.take} ${last.state}` : "";
-  if (last.has_motion && shown !== last.take) play(last);
+  if (last.has_motion && shown !== `${last.take} ${last.motions}`) play(last);
+}
+
+/** Says how long they took, once both are there. */
+function tellTimes(of) {
+  if (ended?.take !== of.take || ended.verdictMs === undefined || !ended.isChecked) return;
+  const [text, quality] = became(of);
+  say(`${text} (${afterEnd()})`, quality);
+  document.body.dataset.afterEnd = `${Math.round(ended.verdictMs)} ${Math.round(ended.motionMs)}`;
+  document.body.dataset.motion = String(of.take);
 }
 
 /** How long verdict and motion took. */
 function afterEnd() {
   const seconds = (ms) => `${(ms / 1000).toFixed(2)} s`;
-  const motion = ended.motionMs === undefined ? "" : `, its motion ${seconds(ended.motionMs)}`;
-  return `verdict ${seconds(ended.verdictMs)}${motion} after the end`;
+  const motion = ended.motionMs === undefined ? "" : `motion ${seconds(ended.motionMs)}, `;
+  return `${motion}verdict ${seconds(ended.verdictMs)} after the end`;
 }
 
 async function play(of) {
-  shown = of.take;
+  shown = `${of.take} ${of.motions}`;
   const answer = await fetch(`/motion/${of.take}.glb`);
   if (!answer.ok) return;
   await view.showMotion(await answer.arrayBuffer(), performance.now() / 1000);
@@ -190,12 +200,11 @@ async function play(of) {
   watch(true);
   view.render();
   if (ended?.take === of.take) {
-    ended.motionMs = performance.now() - ended.atMs;
-    document.body.dataset.afterEnd = `${Math.round(ended.verdictMs)} ${Math.round(ended.motionMs)}`;
-    const [text, quality] = became(of);
-    say(`${text} (${afterEnd()})`, quality);
+    // The first motion, so far or checked.
+    ended.motionMs ??= performance.now() - ended.atMs;
+    ended.isChecked = of.is_good !== null;
+    tellTimes(of);
   }
-  document.body.dataset.motion = String(of.take);
 }
 
 /** Begins a take, or ends the one that runs. */

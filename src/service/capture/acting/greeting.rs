@@ -7,8 +7,7 @@ use super::super::event::Status;
 use super::super::history::TakeLine;
 use crate::ingest::live::{StreamTopic, Token};
 use crate::motion::{PoseSample, Scene, Stamp};
-use crate::report::ExportProvenance;
-use crate::service::provenance::PROGRAM;
+use crate::service::provenance::scene_provenance;
 use crate::write::export::{ExportedBody, Key, glb};
 use crate::write::show::tracker_mount;
 
@@ -101,15 +100,6 @@ pub(super) fn scene_glb(scene: &Scene) -> Vec<u8> {
         acted: Vec::new(),
     };
     let bodies: Vec<ExportedBody> = scene.links.keys().map(body).collect();
-    let provenance = ExportProvenance {
-        program: PROGRAM.to_owned(),
-        command: "enact capture".to_owned(),
-        recording: String::new(),
-        recording_sha256: String::new(),
-        scene: scene.name.clone(),
-        scene_sha256: String::new(),
-        verdict: String::new(),
-        estimate: None,
-    };
+    let provenance = scene_provenance(scene, "");
     glb(scene, &bodies, Stamp(0), 1.0, &provenance)
 }
