@@ -25,8 +25,11 @@ const acted = new Set();
 let take = null;
 /** The take that this page has ended last, and when [ms]. */
 let ended = null;
-/** The take whose motion is shown. */
+/** The motion that is being fetched or shown, and the one that is shown: the take, and the how manieth of it. */
 let shown = null;
+let played = null;
+/** What is known of the last take. */
+let latest = null;
 /** Whether the motion is looked at, not acted. */
 let isWatching = false;
 
@@ -162,6 +165,7 @@ function state(said) {
     watch(false);
   }
   const last = said.takes[0];
+  latest = last ?? null;
   if (!last || take !== null) return;
   const [text, quality] = became(last);
   const isOver = last.is_good !== null;
@@ -171,11 +175,14 @@ function state(said) {
   say(isOver && ended?.take === last.take ? `${text} (${afterEnd()})` : text, quality);
   document.body.dataset.verdict = isOver ? `${last.take} ${last.state}` : "";
   if (last.has_motion && shown !== `${last.take} ${last.motions}`) play(last);
+  else tellTimes();
 }
 
 /** Says how long they took, once both are there. */
-function tellTimes(of) {
-  if (ended?.take !== of.take || ended.verdictMs === undefined || !ended.isChecked) return;
+function tellTimes() {
+  const of = latest;
+  const isThere = of !== null && of.is_good !== null && played === `${of.take} ${of.motions}`;
+  if (!isThere || ended?.take !== of.take || ended.verdictMs === undefined) return;
   const [text, quality] = became(of);
   say(`${text} (${afterEnd()})`, quality);
   document.body.dataset.afterEnd = `${Math.round(ended.verdictMs)} ${Math.round(ended.motionMs)}`;
@@ -202,9 +209,9 @@ async function play(of) {
   if (ended?.take === of.take) {
     // The first motion, so far or checked.
     ended.motionMs ??= performance.now() - ended.atMs;
-    ended.isChecked = of.is_good !== null;
-    tellTimes(of);
   }
+  played = `${of.take} ${of.motions}`;
+  tellTimes();
 }
 
 /** Begins a take, or ends the one that runs. */
