@@ -16,6 +16,11 @@ FITS = {
     "no": "it does not explain what was acted",
     "unknown": "whether it explains what was acted is not known",
 }
+#: What to do where these doubts speak against it, the first that is there.
+NEXT = [
+    ({"overlap", "end_touches"}, "It goes into something: mark the bounce there, or put the end before it"),
+    ({"fall", "fall_direction"}, "It does not fall as things do: let the tempo be unknown, or look at gravity and units"),
+]
 #: A time in what is said.
 WHEN = re.compile(r"at (\d+\.\d+) s\b")
 #: Suspects that are shown.
@@ -78,8 +83,10 @@ def next_of(estimate, report):
         return "Move the marker to the impact, remove a goal, or let the tempo be unknown"
     if rest and not rest["reached"]:
         return "Let the labels be free, ask for other faces, or act another throw"
-    if report["verification"] and report["verification"]["deepest"]:
-        return "It goes into something: mark the bounce there, or put the end before it"
+    doubts = {of["quantity"] for of in report["doubts"]}
+    for quantities, words in NEXT:
+        if doubts & quantities:
+            return words
     if estimate.verdict == "plausible" and report["goals"]:
         return "Give a goal room (Within), make it a wish, or set the bounciness free"
     if estimate.verdict == "plausible":

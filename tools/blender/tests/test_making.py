@@ -466,3 +466,17 @@ def test_what_goes_into_something_is_said_with_its_frame(parts):
     said = parts.account.kept(bpy.context.scene)
     assert any("inside `Table`" in of and "(frame 125.0)" in of for of in said["against"]), said["against"]
     assert said["next"].startswith("It goes into something")
+
+
+@pytest.mark.parametrize(("last", "pace", "begins"), [(0.42, 1.0, "It goes into something"), (0.38, 0.6, "It does not fall as things do")])
+def test_what_to_do_next_is_of_what_speaks_against_it(parts, last, pace, begins):
+    """A ball that falls into a table nobody marked; one that falls too slowly."""
+    bpy.context.scene.render.fps = 60
+    thing = stage.rigid(stage.ball("Ball", 0.05), shape="SPHERE")
+    stage.passive(stage.plane())
+    t = np.linspace(0, last, 60)
+    stage.record(thing, 1 + t / pace * 60, np.column_stack([0.1 * t, 0 * t, 0.8 - stage.G * t**2 / 2]), [(1, 0, 0, 0)] * 60)
+    stage.select(thing)
+    bpy.ops.motion_sketch.make_physical()
+    said = parts.account.kept(bpy.context.scene)
+    assert said["against"] and said["next"].startswith(begins), said
