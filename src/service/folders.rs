@@ -67,13 +67,29 @@ pub fn beside_each(
     folder: &Path,
     ending: &str,
 ) -> anyhow::Result<Vec<PathBuf>> {
-    let mut taken: BTreeMap<PathBuf, &Path> = BTreeMap::new();
-    let mut outputs = Vec::new();
-    for input in inputs {
+    let outputs = outputs_of(inputs, |input| {
         let stem = input
             .file_stem()
             .with_context(|| format!("{}: expected the name of a file", input.display()))?;
-        let output = folder.join(stem).with_extension(ending);
+        let mut name = stem.to_owned();
+        name.push(".");
+        name.push(ending);
+        Ok(folder.join(name))
+    })?;
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("{}: cannot make the folder", folder.display()))?;
+    Ok(outputs)
+}
+
+/// The output of each input. Fails where two are equal.
+pub(super) fn outputs_of(
+    inputs: &[PathBuf],
+    output_of: impl Fn(&Path) -> anyhow::Result<PathBuf>,
+) -> anyhow::Result<Vec<PathBuf>> {
+    let mut taken: BTreeMap<PathBuf, &Path> = BTreeMap::new();
+    let mut outputs = Vec::new();
+    for input in inputs {
+        let output = output_of(input)?;
         if let Some(other) = taken.insert(output.clone(), input) {
             bail!(
                 "{} and {} would both be written to {}",
@@ -84,7 +100,5 @@ pub fn beside_each(
         }
         outputs.push(output);
     }
-    std::fs::create_dir_all(folder)
-        .with_context(|| format!("{}: cannot make the folder", folder.display()))?;
     Ok(outputs)
 }

@@ -7,11 +7,12 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::{Context, anyhow};
 use rayon::prelude::*;
 
 use super::deadline::{Deadline, leeway};
 use super::finish::{Opened, finish, opened, output_path, with_recording};
+use super::folders::outputs_of;
 use super::guard::Inputs;
 use super::panics::guarded;
 use super::provenance::provenance;
@@ -120,20 +121,7 @@ pub fn process(
 
 /// The output file of each recording. Fails where two are equal or one is an input.
 fn outputs(job: &ProcessJob) -> anyhow::Result<Vec<PathBuf>> {
-    let mut taken: BTreeMap<PathBuf, &Path> = BTreeMap::new();
-    let mut outputs = Vec::new();
-    for input in &job.inputs {
-        let output = output_path(input, Some(&job.output))?;
-        if let Some(other) = taken.insert(output.clone(), input) {
-            bail!(
-                "{} and {} would both be written to {}",
-                other.display(),
-                input.display(),
-                output.display()
-            );
-        }
-        outputs.push(output);
-    }
+    let outputs = outputs_of(&job.inputs, |input| output_path(input, Some(&job.output)))?;
     let inputs = job.inputs.iter().chain(&job.scene);
     let inputs = Inputs::of(inputs.map(PathBuf::as_path));
     for output in &outputs {

@@ -86,15 +86,15 @@ fn each_table_becomes_a_recording_of_its_own() {
         });
         format!("time,x,y,z,qw,qx,qy,qz\n{}", rows.collect::<String>())
     };
-    for (name, height) in [("a.csv", 1.0), ("b.csv", 2.0)] {
+    for (name, height) in [("a.csv", 1.0), ("b.1.csv", 2.0)] {
         fs::write(folder.path().join(name), rows(height)).expect("write");
     }
     fs::write(folder.path().join("c.csv"), "nothing").expect("write");
-    let words = ["import", "--each", "a.csv", "b.csv", "c.csv", "-o", "takes"];
+    let words = ["import", "--each", "a.csv", "b.1.csv", "c.csv", "-o", "takes"];
     let said = enact(folder.path(), &words);
     assert_eq!(said.status.code(), Some(1), "{said:?}");
     assert!(folder.path().join("takes/a.mcap").is_file());
-    assert!(folder.path().join("takes/b.mcap").is_file());
+    assert!(folder.path().join("takes/b.1.mcap").is_file());
     assert!(!folder.path().join("takes/c.mcap").exists());
 }
 
