@@ -90,7 +90,9 @@ fn each_table_becomes_a_recording_of_its_own() {
         fs::write(folder.path().join(name), rows(height)).expect("write");
     }
     fs::write(folder.path().join("c.csv"), "nothing").expect("write");
-    let words = ["import", "--each", "a.csv", "b.1.csv", "c.csv", "-o", "takes"];
+    let words = [
+        "import", "--each", "a.csv", "b.1.csv", "c.csv", "-o", "takes",
+    ];
     let said = enact(folder.path(), &words);
     assert_eq!(said.status.code(), Some(1), "{said:?}");
     assert!(folder.path().join("takes/a.mcap").is_file());

@@ -181,7 +181,7 @@ fn workers(options: &Options, record: &mut Record) -> Result<()> {
     if !options.wants("workers") {
         return Ok(());
     }
-    let truth = BallTruth::drawn(&mut ChaCha8Rng::seed_from_u64(options.first_seed));
+    let truth = BallTruth::drawn(&mut ChaCha8Rng::seed_from_u64(options.seeds(1).start));
     let folder = TempDir::new()?;
     let inputs = truth.write(takes, 0xacc, folder.path())?;
     let job = FitJob {
