@@ -319,7 +319,7 @@ mod tests {
     #[test]
     fn repeats_of_what_is_rounded_are_told_from_a_tracker_that_holds() {
         let slow = |step_m: f64, jump_m: f64| {
-            let at_m = |index: usize| 0.0003 * index as f64 + if index < 50 { 0.0 } else { jump_m };
+            let at_m = |index: usize| 0.0003 * index as f64 + if index < 51 { 0.0 } else { jump_m };
             let points: Vec<[f64; 2]> = (0..100)
                 .map(|index| [(at_m(index) / step_m).round() * step_m, 0.0])
                 .collect();

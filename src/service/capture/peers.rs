@@ -111,6 +111,8 @@ pub struct Ports {
     audience: Audience,
     orders: Receiver<Arrival>,
     gate: Arc<Gate>,
+    /// Kept: without it a page is told that the daemon ends.
+    _status: watch::Sender<Status>,
 }
 
 impl Ports {
@@ -157,6 +159,7 @@ impl Ports {
             answered: Semaphore::new(1),
             audience,
             orders,
+            _status: status,
         }
     }
 
