@@ -51,15 +51,12 @@ pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<
                     Exit::NotWhole
                 }
             }
-            Ok(Processed::Present {
-                recording,
-                verdict,
-                is_good,
-            }) => {
+            Ok(Processed::Present { recording, report }) => {
+                let is_good = report.is_good() && report.diagnoses.is_empty();
                 if format == Format::Ndjson {
                     print_left_alone(&recording, "its estimate is there")?;
                 }
-                summary.present(&recording, &verdict, is_good);
+                summary.present(&recording, &report, is_good);
                 match is_good {
                     true => Exit::Done,
                     false => Exit::NotWhole,

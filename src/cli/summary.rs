@@ -1,8 +1,7 @@
 //! What became of many recordings: a line each, and how many of each kind.
 
 use super::table::table;
-use crate::motion::Verdict;
-use crate::report::{RecordingReport, plain};
+use crate::report::{EstimateReport, RecordingReport, plain};
 
 /// Lines in the order of the recordings.
 #[derive(Default)]
@@ -38,8 +37,8 @@ impl Summary {
     }
 
     /// An estimate that was there.
-    pub(super) fn present(&mut self, recording: &str, verdict: &str, is_good: bool) {
-        match verdict == Verdict::Physical.as_str() {
+    pub(super) fn present(&mut self, recording: &str, report: &EstimateReport, is_good: bool) {
+        match report.is_physical() {
             true => self.physical += 1,
             false => self.other += 1,
         }
@@ -47,7 +46,7 @@ impl Summary {
             true => "was there",
             false => "was there, look at its report",
         };
-        self.without_motion(recording, verdict, what);
+        self.without_motion(recording, &report.verdict, what);
     }
 
     pub(super) fn left_alone(&mut self, recording: &str) {

@@ -1,34 +1,38 @@
 //! One answer from many takes: reads each, asks it what it says of what all share until the answer stands, and tells it.
 
 mod apart;
+mod block;
 mod blocks;
 mod job;
 mod keys;
+mod members;
 mod names;
 mod take;
 mod tell;
+mod written;
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::{bail, ensure};
+use anyhow::ensure;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::output::{refuse_present, write_file_of, write_new_file};
+use super::output::refuse_present;
 use super::working::Working;
 use crate::jointly::{JointParameter, JointSearch, SearchTurn};
 use crate::motion::TakeShare;
-use crate::page::fit_page;
 use crate::pipeline::SharedMotion;
-use crate::report::{FitLine, FitTakeLine};
 
-pub use self::apart::{FitQuestion, JoinedBlocks, TakeBlock, join, reduce};
+pub use self::apart::{JoinedBlocks, join, reduce};
+pub use self::block::{FitQuestion, TakeBlock};
 pub use self::blocks::{ReduceJob, ReducedLine, SolveJob, reduce_files, solve_files};
 pub use self::job::{FitInput, FitJob, FitStop, HoldOut};
+use self::members::{agreed, in_order};
 pub use self::names::AskedNames;
 use self::take::{Member, NEARER, UsualResidual, far};
-use self::tell::ToldFit;
+use self::tell::{ToldFit, no_optimum};
+pub use self::written::FittedTakes;
+use self::written::written;
 
 /// Greatest number of times that takes which had no motion, or are far from it, are tried from the answer on.
 const AGAIN: usize = 4;
@@ -38,17 +42,6 @@ const STOPPED: &str = "it was told to end before it had an answer";
 
 /// Takes fit better elsewhere by at least so much of half a sum of squares.
 const TELLING: f64 = 2.0;
-
-/// The result of [`fit`].
-#[derive(Clone, Debug)]
-pub struct FittedTakes {
-    /// The answer.
-    pub line: FitLine,
-    /// What became of each take, in the order of the inputs.
-    pub takes: Vec<FitTakeLine>,
-    /// The answer as a calibration.
-    pub toml: String,
-}
 
 /// Finds what takes share. The answer is the same for any order of the files and any number of threads.
 ///
@@ -69,29 +62,6 @@ pub fn fit(job: &FitJob) -> anyhow::Result<FittedTakes> {
     ensure!(!job.stop.is_set(), STOPPED);
     let told = ToldFit::of(job, &joint, &shares, &mut members, &misfits)?;
     written(job, told)
-}
-
-/// The answer, written where it is wanted.
-fn written(job: &FitJob, told: ToldFit) -> anyhow::Result<FittedTakes> {
-    let toml = told.calibration.to_toml()?;
-    let made_of = made_of(job);
-    if let Some(output) = &job.output {
-        write_new_file(output, toml.as_bytes(), &made_of)?;
-    }
-    if let Some(page) = &job.page {
-        let html = fit_page(&told.line, &told.takes);
-        write_file_of(page, html.as_bytes(), &made_of)?;
-    }
-    Ok(FittedTakes {
-        line: told.line,
-        takes: told.takes,
-        toml,
-    })
-}
-
-fn made_of(job: &FitJob) -> Vec<&Path> {
-    let inputs = job.inputs.iter().map(FitInput::name);
-    inputs.chain(job.scene.as_deref()).collect()
 }
 
 /// All inputs, in the order of their contents, so that sums have one order.
@@ -119,54 +89,6 @@ fn read(job: &FitJob, names: &AskedNames) -> anyhow::Result<Vec<Member>> {
         })
         .collect();
     Ok(in_order(members))
-}
-
-/// Takes in the order of their contents, each once.
-fn in_order(mut members: Vec<Member>) -> Vec<Member> {
-    members.sort_by(|a, b| a.order().cmp(&b.order()));
-    let mut known: BTreeMap<String, String> = BTreeMap::new();
-    for member in &mut members {
-        let name = member.file.clone();
-        if let Some(other) = known.get(&member.sha256) {
-            member.is_the_same_as(other);
-        } else if !member.sha256.is_empty() {
-            known.insert(member.sha256.clone(), name);
-        }
-    }
-    members
-}
-
-/// The parameters as the takes' scenes have them, which must agree.
-fn agreed(members: &[Member], names: &AskedNames) -> anyhow::Result<Vec<JointParameter>> {
-    let mut known: Option<(&Member, Vec<JointParameter>)> = None;
-    for member in members {
-        let Ok(asked) = &member.asked else { continue };
-        let parameters = asked.parameters();
-        match &known {
-            None => known = Some((member, parameters)),
-            Some((first, agreed)) if *agreed != parameters => {
-                let differing = agreed.iter().zip(&parameters);
-                let differing = differing.filter(|(a, b)| a != b).map(|(a, _)| &a.name);
-                let differing: Vec<&str> = differing.map(String::as_str).collect();
-                bail!(
-                    "the scenes of {} and {} differ in {}, expected the same value, bounds and prior in all: --scene FILE",
-                    first.file,
-                    member.file,
-                    differing.join(", ")
-                );
-            }
-            Some(_) => {}
-        }
-    }
-    let Some((_, parameters)) = known else {
-        let first = members.iter().find_map(|of| of.asked.as_ref().err());
-        bail!(
-            "no take says anything of {}{}",
-            names.all.join(", "),
-            first.map_or(String::new(), |why| format!(": {why}"))
-        );
-    };
-    Ok(parameters)
 }
 
 /// Which takes are held out. By a share these are evenly spread in the order of the contents, which is as good as drawn.
@@ -315,17 +237,9 @@ fn searched(
         match joint.turn(&shares) {
             SearchTurn::Again => {}
             SearchTurn::Found => return Ok(shares),
-            SearchTurn::Lost => return lost(joint),
+            SearchTurn::Lost => return no_optimum(joint),
         }
     }
-}
-
-fn lost<T>(joint: &JointSearch) -> anyhow::Result<T> {
-    bail!(
-        "no joint optimum was found in {} rounds: too few takes have a motion at the same values, expected \
-         fewer --shared quantities, or each take's own by --drawn",
-        joint.rounds()
-    )
 }
 
 /// Finds motions anew from the answer on of takes that had none, or that are farther from it than others: they may be near

@@ -52,9 +52,7 @@ pub enum Processed {
         /// The file.
         recording: String,
         /// What it says.
-        verdict: String,
-        /// Whether that is physical, and nothing speaks against it.
-        is_good: bool,
+        report: Box<EstimateReport>,
     },
     /// It holds an estimate already: an output among the inputs.
     LeftAlone {
@@ -204,7 +202,6 @@ fn present(opened: &Opened, pipeline: &Pipeline, output: &Path) -> Option<Proces
     let report: EstimateReport = serde_json::from_slice(&motion.report).ok()?;
     Some(Processed::Present {
         recording: opened.recording.path().display().to_string(),
-        verdict: motion.verdict,
-        is_good: report.is_good() && report.diagnoses.is_empty(),
+        report: Box::new(report),
     })
 }

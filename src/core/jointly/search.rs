@@ -10,6 +10,8 @@ use crate::motion::TakeShare;
 
 /// A step that changes nothing by more of its length is the last.
 const SAME: f64 = 1e-9;
+/// A spread that changes by less is the same: takes tell it to much less, and rounding moves it.
+const SAME_SPREAD: f64 = 1e-6;
 /// Greatest step, in lengths: takes are curved.
 const FARTHEST: f64 = 0.5;
 /// Greatest number of rounds, and how often one step may be halved.
@@ -306,7 +308,8 @@ impl JointSearch {
         let step = step / far;
         let spreads = self.variances.map(f64::sqrt) - before.map(f64::sqrt);
         let mut of_takes = parts.iter().zip(&of_means);
-        let mut moved: f64 = step.amax().max(spreads.amax());
+        let spread_moved = spreads.amax() * SAME / SAME_SPREAD;
+        let mut moved: f64 = step.amax().max(spread_moved);
         self.best = Some(BestSoFar {
             mean: self.mean.clone(),
             asked: self.asked.clone(),

@@ -8,10 +8,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::apart::{FitQuestion, JoinedBlocks, TakeBlock, join, reduce};
+use super::apart::{JoinedBlocks, join, reduce};
+use super::block::{FitQuestion, TakeBlock};
 use super::job::FitInput;
 use super::names::AskedNames;
-use crate::ingest::read_text;
+use crate::ingest::{read_text, read_whole};
 use crate::service::output::{refuse_present, write_file_of, write_new_file};
 use crate::service::provenance::sha256;
 use crate::service::working::Working;
@@ -59,7 +60,7 @@ pub struct ReducedLine {
     pub silent: Vec<String>,
 }
 
-enum Reduced {
+enum BlockMade {
     Made(Option<String>),
     Present,
     NotAsked,
@@ -74,7 +75,7 @@ pub fn reduce_files(job: &ReduceJob) -> anyhow::Result<ReducedLine> {
     std::fs::create_dir_all(&folder)
         .with_context(|| format!("{}: cannot make the folder", folder.display()))?;
     let working = Working::of(job.inputs.len());
-    let all: Vec<Reduced> = job
+    let all: Vec<BlockMade> = job
         .inputs
         .par_iter()
         .map(|input| {
@@ -89,9 +90,9 @@ pub fn reduce_files(job: &ReduceJob) -> anyhow::Result<ReducedLine> {
     };
     for (input, one) in job.inputs.iter().zip(all) {
         match one {
-            Reduced::Present => line.present += 1,
-            Reduced::NotAsked => line.not_asked += 1,
-            Reduced::Made(why) => {
+            BlockMade::Present => line.present += 1,
+            BlockMade::NotAsked => line.not_asked += 1,
+            BlockMade::Made(why) => {
                 line.made += 1;
                 let why = why.map(|why| format!("{}: {why}", input.display()));
                 line.silent.extend(why);
@@ -107,18 +108,18 @@ fn reduced(
     names: &AskedNames,
     question: Option<&FitQuestion>,
     folder: &Path,
-) -> anyhow::Result<Reduced> {
-    let bytes = std::fs::read(input)
+) -> anyhow::Result<BlockMade> {
+    let bytes = read_whole(input)
         .with_context(|| format!("{}: cannot read the recording", input.display()))?;
     let path = folder.join(format!("{}.json", sha256(&bytes)));
     if path.exists() {
-        return Ok(Reduced::Present);
+        return Ok(BlockMade::Present);
     }
     let name = input.to_owned();
     let scene = None;
     let input = FitInput::Bytes { name, bytes, scene };
     let Some(block) = reduce(&input, job.scene.as_deref(), names, question)? else {
-        return Ok(Reduced::NotAsked);
+        return Ok(BlockMade::NotAsked);
     };
     let text = serde_json::to_vec(&block)?;
     write_file_of(&path, &text, &[input.name()])?;
@@ -128,7 +129,7 @@ fn reduced(
         (None, Some(note)) if block.round == 0 => note.clone(),
         (None, _) => "no motion where it is asked".to_owned(),
     });
-    Ok(Reduced::Made(why))
+    Ok(BlockMade::Made(why))
 }
 
 /// Joins the blocks in a folder; where takes are to be asked again, writes the question into it.

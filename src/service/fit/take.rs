@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::DVector;
 
-use super::apart::TakeBlock;
+use super::block::TakeBlock;
 use super::job::FitInput;
 use super::names::AskedNames;
 use crate::config::{SourceLine, scene_from_toml};

@@ -101,6 +101,15 @@ impl ToldFit {
     }
 }
 
+/// That there is none.
+pub(super) fn no_optimum<T>(joint: &JointSearch) -> anyhow::Result<T> {
+    anyhow::bail!(
+        "no joint optimum was found in {} rounds: too few takes have a motion at the same values, expected \
+         fewer --shared quantities, or each take's own by --drawn",
+        joint.rounds()
+    )
+}
+
 const FITTED: &str = "fitted";
 const HELD_OUT: &str = "held_out";
 const LEFT_OUT: &str = "left_out";
