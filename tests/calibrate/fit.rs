@@ -277,14 +277,16 @@ fn apart(folder: &Path, files: &[PathBuf], shared: &[&str], output: &str) -> usi
 }
 
 #[test]
-fn takes_that_are_reduced_apart_have_the_same_answer() {
+fn takes_that_are_reduced_apart_have_nearly_the_same_answer() {
     let folder = TempDir::new().expect("folder");
-    let files = truth(91).write(10, 92, folder.path()).expect("takes");
+    let mut truth = truth(91);
+    truth.restitution.sd = 0.03;
+    let files = truth.write(10, 92, folder.path()).expect("takes");
     let shared = [
         "--shared",
-        "ball.restitution,gravity",
+        "ball.friction,gravity",
         "--drawn",
-        "ball.friction",
+        "ball.restitution",
     ];
     let here = fit(
         folder.path(),
@@ -307,9 +309,13 @@ fn takes_that_are_reduced_apart_have_the_same_answer() {
         numbers.collect::<Vec<_>>()
     });
     assert_eq!(here.len(), apart.len());
-    for ((name, here), (_, apart)) in here.iter().zip(&apart) {
-        let off = here.unwrap_or(0.0) - apart.unwrap_or(0.0);
-        assert!(off.abs() < 1e-6, "{name}: {here:?} and {apart:?}");
+    for (here, apart) in here.chunks(3).zip(apart.chunks(3)) {
+        // Weights of samples are found anew in each round: the answers differ by little of their intervals.
+        let wide = here[2].1.unwrap_or(1.0) - here[1].1.unwrap_or(0.0);
+        for ((name, here), (_, apart)) in here.iter().zip(apart) {
+            let off = here.unwrap_or(0.0) - apart.unwrap_or(0.0);
+            assert!(off.abs() < 0.05 * wide, "{name}: {here:?} and {apart:?}");
+        }
     }
 }
 
