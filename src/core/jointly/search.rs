@@ -12,6 +12,8 @@ use crate::motion::TakeShare;
 const SAME: f64 = 1e-9;
 /// A spread that changes by less is the same: takes tell it to much less, and rounding moves it.
 const SAME_SPREAD: f64 = 1e-6;
+/// Where takes hardly tell a spread rounding moves it by more: so many rounds without a step are the end.
+const STILL: usize = 3;
 /// Greatest step, in lengths: takes are curved.
 const FARTHEST: f64 = 0.5;
 /// Greatest number of rounds, and how often one step may be halved.
@@ -54,6 +56,8 @@ pub struct JointSearch {
     best: Option<BestSoFar>,
     halvings: usize,
     rounds: usize,
+    /// Rounds in a row in which no take was asked elsewhere.
+    still: usize,
     /// How far the last step goes, in lengths.
     moved: f64,
     /// Whether it ended near the optimum only.
@@ -94,6 +98,7 @@ impl JointSearch {
             best: None,
             halvings: 0,
             rounds: 0,
+            still: 0,
             moved: f64::INFINITY,
             is_near_only: false,
         };
@@ -309,7 +314,7 @@ impl JointSearch {
         let spreads = self.variances.map(f64::sqrt) - before.map(f64::sqrt);
         let mut of_takes = parts.iter().zip(&of_means);
         let spread_moved = spreads.amax() * SAME / SAME_SPREAD;
-        let mut moved: f64 = step.amax().max(spread_moved);
+        let mut moved: f64 = step.amax();
         self.best = Some(BestSoFar {
             mean: self.mean.clone(),
             asked: self.asked.clone(),
@@ -332,8 +337,10 @@ impl JointSearch {
             moved = moved.max((&there - &*asked).amax());
             *asked = there;
         }
-        self.moved = moved;
-        match moved < SAME || is_stuck {
+        self.still = if moved < SAME { self.still + 1 } else { 0 };
+        self.moved = moved.max(spread_moved);
+        let is_still = self.moved < SAME || self.still >= STILL;
+        match is_still || is_stuck {
             true => SearchTurn::Found,
             false => SearchTurn::Again,
         }
