@@ -52,12 +52,12 @@ pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<
                 }
             }
             Ok(Processed::Present { recording, report }) => {
-                let is_good = report.is_good() && report.diagnoses.is_empty();
+                let is_undoubted = report.is_undoubted();
                 if format == Format::Ndjson {
                     print_left_alone(&recording, "its estimate is there")?;
                 }
-                summary.present(&recording, &report, is_good);
-                match is_good {
+                summary.present(&recording, &report);
+                match is_undoubted {
                     true => Exit::Done,
                     false => Exit::NotWhole,
                 }

@@ -37,12 +37,12 @@ impl Summary {
     }
 
     /// An estimate that was there.
-    pub(super) fn present(&mut self, recording: &str, report: &EstimateReport, is_good: bool) {
+    pub(super) fn present(&mut self, recording: &str, report: &EstimateReport) {
         match report.is_physical() {
             true => self.physical += 1,
             false => self.other += 1,
         }
-        let what = match is_good {
+        let what = match report.is_undoubted() {
             true => "was there",
             false => "was there, look at its report",
         };

@@ -158,6 +158,11 @@ impl EstimateReport {
         self.is_physical() && self.fits != Fits::No.as_str() && self.suspects.is_empty()
     }
 
+    /// Whether it is good, and no mistake is likely.
+    pub fn is_undoubted(&self) -> bool {
+        self.is_good() && self.diagnoses.is_empty()
+    }
+
     /// Whether the motion may be called physical.
     pub fn is_physical(&self) -> bool {
         self.verdict == Verdict::Physical.as_str()

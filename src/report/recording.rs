@@ -71,9 +71,6 @@ impl RecordingReport {
 
     /// Whether nothing was lost or left untried, the motion is physical and not known not to fit, and no mistake is likely.
     pub fn is_whole(&self) -> bool {
-        self.lost.is_empty()
-            && !self.ended_early
-            && self.estimate.is_good()
-            && self.estimate.diagnoses.is_empty()
+        self.lost.is_empty() && !self.ended_early && self.estimate.is_undoubted()
     }
 }

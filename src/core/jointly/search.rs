@@ -10,9 +10,7 @@ use crate::motion::TakeShare;
 
 /// A step that changes nothing by more of its length is the last.
 const SAME: f64 = 1e-9;
-/// A spread that changes by less is the same: takes tell it to much less, and rounding moves it.
-const SAME_SPREAD: f64 = 1e-6;
-/// Where takes hardly tell a spread rounding moves it by more: so many rounds without a step are the end.
+/// Where takes hardly tell a spread rounding moves it without end: so many rounds in which nothing else moves are the last.
 const STILL: usize = 3;
 /// Greatest step, in lengths: takes are curved.
 const FARTHEST: f64 = 0.5;
@@ -313,7 +311,6 @@ impl JointSearch {
         let step = step / far;
         let spreads = self.variances.map(f64::sqrt) - before.map(f64::sqrt);
         let mut of_takes = parts.iter().zip(&of_means);
-        let spread_moved = spreads.amax() * SAME / SAME_SPREAD;
         let mut moved: f64 = step.amax();
         self.best = Some(BestSoFar {
             mean: self.mean.clone(),
@@ -338,7 +335,7 @@ impl JointSearch {
             *asked = there;
         }
         self.still = if moved < SAME { self.still + 1 } else { 0 };
-        self.moved = moved.max(spread_moved);
+        self.moved = moved.max(spreads.amax());
         let is_still = self.moved < SAME || self.still >= STILL;
         match is_still || is_stuck {
             true => SearchTurn::Found,

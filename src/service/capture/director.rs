@@ -22,17 +22,7 @@ pub(super) enum DirectorOrder {
     /// Begin a take.
     Start,
     /// End the take and estimate it.
-    Stop {
-        /// Its name.
-        #[serde(default)]
-        name: String,
-        /// A note on it.
-        #[serde(default)]
-        note: String,
-        /// Its rating, 1 to 5; 0: none.
-        #[serde(default)]
-        rating: u32,
-    },
+    Stop(TakeRemarks),
     /// End the take and move it aside.
     Discard,
     /// An event happens now: this one, or the next one in order.
@@ -41,6 +31,21 @@ pub(super) enum DirectorOrder {
         #[serde(default)]
         event: String,
     },
+}
+
+/// What is said of a take as it ends.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TakeRemarks {
+    /// Its name.
+    #[serde(default)]
+    pub(super) name: String,
+    /// A note on it.
+    #[serde(default)]
+    pub(super) note: String,
+    /// Its rating, 1 to 5; 0: none.
+    #[serde(default)]
+    pub(super) rating: u32,
 }
 
 /// When a marked event happened, as far as it is known.
@@ -99,7 +104,7 @@ impl Director {
         match order {
             DirectorOrder::Start => self.command(Command::Start),
             DirectorOrder::Discard => self.command(Command::Discard),
-            DirectorOrder::Stop { name, note, rating } => {
+            DirectorOrder::Stop(TakeRemarks { name, note, rating }) => {
                 if *rating > 5 {
                     return Err(format!("the rating is {rating}, expected 1 to 5"));
                 }

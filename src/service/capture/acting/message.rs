@@ -15,7 +15,7 @@
 use serde::Deserialize;
 use thiserror::Error;
 
-use super::super::director::DirectorOrder;
+use super::super::director::{DirectorOrder, TakeRemarks};
 use crate::ingest::live::{POSE_BYTES, PoseRecord};
 
 /// Longest message of a page \[bytes\]: the most readings that come at once.
@@ -48,17 +48,7 @@ pub(super) enum PageText {
     /// Begin a take.
     Start,
     /// End the take and estimate it.
-    Stop {
-        /// Its name.
-        #[serde(default)]
-        name: String,
-        /// A note on it.
-        #[serde(default)]
-        note: String,
-        /// Its rating, 1 to 5; 0: none.
-        #[serde(default)]
-        rating: u32,
-    },
+    Stop(TakeRemarks),
     /// End the take and move it aside.
     Discard,
     /// An event happened.
@@ -106,7 +96,7 @@ impl PageText {
     pub(super) fn order(self) -> Option<DirectorOrder> {
         match self {
             Self::Start => Some(DirectorOrder::Start),
-            Self::Stop { name, note, rating } => Some(DirectorOrder::Stop { name, note, rating }),
+            Self::Stop(remarks) => Some(DirectorOrder::Stop(remarks)),
             Self::Discard => Some(DirectorOrder::Discard),
             Self::Pair { .. } | Self::Resume { .. } | Self::Act { .. } | Self::Mark { .. } => None,
         }
@@ -178,10 +168,19 @@ mod tests {
             event: String::new(),
             device_ns: 12,
         };
+        let stop = |name: &str| {
+            PageText::Stop(TakeRemarks {
+                name: name.to_owned(),
+                note: String::new(),
+                rating: 0,
+            })
+        };
         for (text, expected) in [
             (r#"{"say":"act","stream":1}"#, PageText::Act { stream: 1 }),
             (r#"{"say":"mark","device_ns":12}"#, mark),
             (r#"{"say":"start"}"#, PageText::Start),
+            (r#"{"say":"stop"}"#, stop("")),
+            (r#"{"say":"stop","name":"a throw"}"#, stop("a throw")),
         ] {
             assert_eq!(PageText::read(text), Ok(expected));
         }
@@ -192,6 +191,7 @@ mod tests {
             r#"{"say":"act"}"#,
             r#"{"say":"act","stream":-1}"#,
             r#"{"say":"act","stream":0,"more":1}"#,
+            r#"{"say":"stop","more":1}"#,
             r#"{"say":"mark","device_ns":1e99}"#,
         ] {
             assert!(PageText::read(wrong).is_err(), "{wrong}");
