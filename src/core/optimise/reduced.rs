@@ -18,8 +18,8 @@ use super::system::System;
 const STEPS: usize = 8;
 /// A step that is no shorter than this share of the one before is rounding.
 const SHORTER: f64 = 0.25;
-/// A step that gains less than this share of the cost, or of one, is the last.
-const GAINED: f64 = 1e-26;
+/// A step that gains less than this share of the cost, or of one, is the last: the next would be as its square.
+const GAINED: f64 = 1e-16;
 
 /// Derivatives of an optimum by what rows ask for, in units of the rows.
 #[derive(Clone, Debug)]
@@ -41,9 +41,8 @@ impl Reduced {
         solution: &mut Solution<P::Point>,
         rows: &[usize],
     ) -> Option<Self> {
-        polish(program, guidance, solution)?;
         let structure = program.structure();
-        let (kkt, exact) = factorised(program, solution)?;
+        let (kkt, exact) = polished(program, guidance, solution)?;
         let system = &solution.system;
         let responses = rows.iter().map(|row| {
             let response = kkt.response(structure, system, Some(&exact), *row);
@@ -90,36 +89,36 @@ fn factorised<P: Program>(program: &P, solution: &Solution<P::Point>) -> Option<
     Some((kkt, exact))
 }
 
-/// Newton's steps until they are rounding. A solve ends where a further step would gain next to nothing of the cost, which
-/// leaves half as many digits of the unknowns.
-fn polish<P: Program>(
+/// Newton's steps until they are rounding, with the system of the last. A solve ends where a further step would gain next to
+/// nothing of the cost, which leaves half as many digits of the unknowns.
+fn polished<P: Program>(
     program: &P,
     guidance: &P::Guidance,
     solution: &mut Solution<P::Point>,
-) -> Option<()> {
+) -> Option<(Kkt, Envelope)> {
     let structure = program.structure();
     let mut before = f64::INFINITY;
-    for _ in 0..STEPS {
+    let mut steps = 0;
+    loop {
         let (kkt, exact) = factorised(program, solution)?;
         let step = kkt.step(structure, &solution.system, Some(&exact));
         let mut product = DVector::zeros(step.delta.len());
         exact.multiply_add(&structure.pattern, &step.delta, &mut product);
         let gained = step.delta.dot(&product).abs();
-        if !(gained < SHORTER * SHORTER * before) {
-            break;
+        if steps == STEPS || !(gained < SHORTER * SHORTER * before) {
+            return Some((kkt, exact));
         }
-        before = gained;
+        (before, steps) = (gained, steps + 1);
         let (mut point, mut system) = (solution.point.clone(), System::new(structure));
         program.retract(&solution.point, &step.delta, &mut point);
         program.evaluate(guidance, &point, &mut system);
         if !system.cost.is_finite() {
-            break;
+            return Some((kkt, exact));
         }
         (solution.point, solution.system) = (point, system);
         solution.multipliers = step.multipliers;
         if gained < GAINED * solution.system.cost.max(1.0) {
-            break;
+            return Some((kkt, exact));
         }
     }
-    Some(())
 }

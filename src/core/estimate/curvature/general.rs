@@ -8,9 +8,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::nudged::{Nudged, TIME_STEP_S};
 use crate::estimate::problem::View;
-use crate::estimate::problem::influence::Acting;
+use crate::estimate::problem::influence::{Acting, drag_is_free, lift_is_free};
 use crate::estimate::terms::context::SolveContext;
-use crate::estimate::terms::observed::{Observed, SampleObserver};
+use crate::estimate::terms::observed::SampleObserver;
 use crate::estimate::terms::woven;
 use crate::estimate::unknowns::point::Point;
 use crate::optimise::envelope::Envelope;
@@ -26,7 +26,7 @@ pub fn add(nudged: &mut Nudged, matrix: &mut Envelope) {
     for (number, (arc, view)) in problem.views().enumerate() {
         let pulls = woven.as_ref().map(|pulls| pulls[number].as_slice());
         if !view.is_plain || pulls.is_some() {
-            let _ = General::new(context, arc, view, pulls).add(nudged, matrix);
+            let _ = General::new(context, (arc, view), pulls).add(nudged, matrix);
         }
     }
     for pull in problem.pulls.iter().chain(&problem.regulariser) {
@@ -58,8 +58,7 @@ struct General<'a> {
 impl<'a> General<'a> {
     fn new(
         context: &'a SolveContext<'a>,
-        arc: usize,
-        view: &'a View,
+        (arc, view): (usize, &'a View),
         pulls: Option<&'a [[f64; 6]]>,
     ) -> Self {
         let (problem, layout) = (context.problem, context.layout);
@@ -83,26 +82,24 @@ impl<'a> General<'a> {
     /// Adds what the Hessian lacks; `None` where no body has such moments.
     fn add(&self, nudged: &mut Nudged, matrix: &mut Envelope) -> Option<()> {
         let (layout, point) = (self.context.layout, nudged.origin);
-        let (own, count) = (self.own.len(), self.samples.len());
-        self.gradient(point, 0.0)?;
-        let mut lacks = self.slopes(nudged);
-        let mut by_time = DVector::zeros(count);
-        if self.context.problem.times_are_unknown() {
-            let [after, before] = [1.0, -1.0].map(|sign| self.gradient(point, sign * TIME_STEP_S));
-            let change = (after? - before?) / (2.0 * TIME_STEP_S);
-            by_time.copy_from(&change.rows(own, count));
+        let own = self.own.len();
+        let is_straight = |at: &usize| self.is_straight(*at);
+        let (straight, bent): (Vec<usize>, Vec<usize>) = (0..own).partition(is_straight);
+        let [mut lacks, mut by_time] = self.slopes(nudged, &bent)?;
+        let pulls = match self.pulls {
+            Some(pulls) => self.samples.iter().map(|at| pulls[*at]).collect(),
+            None => self.less_squares(point, &bent, &mut lacks, &mut by_time)?,
+        };
+        // Of what is straight only the time bends: `∂²r/∂t ∂v = 1`.
+        for (at, pull) in pulls.iter().enumerate().filter(|_| !straight.is_empty()) {
+            for axis in 0..3 {
+                lacks[(own + at, part::VELOCITY + axis)] = pull[axis] / self.view.units[0];
+            }
         }
-        if self.pulls.is_none() {
-            self.each(point, 0.0, &mut |at, of| {
-                let columns: Vec<&[f64; 6]> = columns(of).collect();
-                for (j, column) in columns.iter().enumerate() {
-                    for (i, row) in columns.iter().enumerate() {
-                        lacks[(i, j)] -= dot(row, column);
-                    }
-                    lacks[(own + at, j)] -= dot(column, &of.by_time);
-                }
-                by_time[at] -= dot(&of.by_time, &of.by_time);
-            })?;
+        for i in &bent {
+            for j in &straight {
+                lacks[(*i, *j)] = lacks[(*j, *i)];
+            }
         }
         add_own(self.context, &self.own, &lacks, matrix);
         for (at, index) in self.samples.iter().enumerate() {
@@ -120,14 +117,34 @@ impl<'a> General<'a> {
         Some(())
     }
 
-    /// Derivatives of the gradient by its own unknowns. A body that falls freely moves along its place and its velocity
-    /// as these say, so that only the times of samples bend by them: `∂²r/∂t ∂v = 1`.
-    fn slopes(&self, nudged: &mut Nudged) -> DMatrix<f64> {
+    /// Takes `JᵀJ` away; returns the residuals.
+    fn less_squares(
+        &self,
+        point: &Point,
+        bent: &[usize],
+        lacks: &mut DMatrix<f64>,
+        by_time: &mut DMatrix<f64>,
+    ) -> Option<Vec<[f64; 6]>> {
+        let own = self.own.len();
+        let mut observer = self.observer(point)?;
+        let each = self.samples.iter().enumerate().map(|(at, index)| {
+            let of = observer.observed(*index, &point.node_times_s);
+            let columns: Vec<&[f64; 6]> = of.by_state.iter().chain(&of.by_acting).collect();
+            for j in bent {
+                for (i, row) in columns.iter().enumerate() {
+                    lacks[(i, *j)] -= dot(row, columns[*j]);
+                }
+                lacks[(own + at, *j)] -= dot(columns[*j], &of.by_time);
+            }
+            by_time[at] -= dot(&of.by_time, &of.by_time);
+            of.residual
+        });
+        Some(each.collect())
+    }
+
+    /// Derivatives of the gradient by its own unknowns that bend, and by the times of samples.
+    fn slopes(&self, nudged: &mut Nudged, bent: &[usize]) -> Option<[DMatrix<f64>; 2]> {
         let (own, count) = (self.own.len(), self.samples.len());
-        let falls_freely = self.view.is_plain && self.pulls.is_some();
-        let straight = [part::POSITION, part::VELOCITY].map(|part| part..part + 3);
-        let is_bent = |at: &usize| !(falls_freely && straight.iter().any(|of| of.contains(at)));
-        let bent: Vec<usize> = (0..own).filter(is_bent).collect();
         let unknowns: Vec<usize> = bent.iter().map(|at| self.own[*at]).collect();
         let none = || DVector::zeros(own + count);
         let of_bent = nudged.slopes(&unknowns, |point| {
@@ -137,15 +154,24 @@ impl<'a> General<'a> {
         for (at, column) in bent.iter().zip(of_bent.column_iter()) {
             slopes.set_column(*at, &column);
         }
-        if let Some(pulls) = self.pulls.filter(|_| falls_freely) {
-            for (at, index) in self.samples.iter().enumerate() {
-                for axis in 0..3 {
-                    let pull = pulls[*index][axis] / self.view.units[0];
-                    slopes[(own + at, part::VELOCITY + axis)] = pull;
-                }
-            }
+        let mut by_time = DMatrix::zeros(count, 1);
+        if self.context.problem.times_are_unknown() {
+            let sides = [1.0, -1.0].map(|sign| self.gradient(nudged.origin, sign * TIME_STEP_S));
+            let [after, before] = sides;
+            let change = (after? - before?) / (2.0 * TIME_STEP_S);
+            by_time.copy_from(&change.rows(own, count));
         }
-        slopes
+        Some([slopes, by_time])
+    }
+
+    /// Whether what is seen follows one of its own unknowns as in a fall without drag or lift: place and velocity, of which
+    /// no other bends it.
+    fn is_straight(&self, at: usize) -> bool {
+        let of = [part::POSITION, part::VELOCITY].map(|part| part..part + 3);
+        let has_drag = drag_is_free(self.acting) || lift_is_free(self.acting);
+        let body = self.context.problem.body_of(self.arc);
+        let falls = body.is_ballistic() && !has_drag && self.view.whitenings.is_empty();
+        falls && of.iter().any(|of| of.contains(&at))
     }
 
     fn add_entry(&self, i: usize, j: usize, value: f64, matrix: &mut Envelope) {
@@ -153,35 +179,20 @@ impl<'a> General<'a> {
         matrix.add(pattern, i.max(j), i.min(j), value);
     }
 
-    /// Calls for its samples at a point, with all times later; `None` where no body has such moments.
-    fn each(
-        &self,
-        point: &Point,
-        later_s: f64,
-        call: &mut dyn FnMut(usize, &Observed),
-    ) -> Option<()> {
+    /// The flight at a point; `None` where no body has such moments.
+    fn observer<'p>(&'p self, point: &'p Point) -> Option<SampleObserver<'p>> {
         let problem = self.context.problem;
-        let body = &problem.body_at(self.arc, &point.parameters)?;
+        let body = problem.body_at(self.arc, &point.parameters)?;
         let gravity_m_s2 = problem.gravity(&point.parameters);
-        let times_s = point.node_times_s.iter().map(|time_s| time_s + later_s);
-        let times_s: Vec<f64> = times_s.collect();
-        let mut observer = SampleObserver::new(
+        let epoch_s = self.context.epochs_s[self.arc];
+        let seen = (self.arc, self.view);
+        Some(SampleObserver::new(
             problem,
-            (self.arc, self.view),
-            (body, &gravity_m_s2),
-            self.context.epochs_s[self.arc],
+            seen,
+            (&body, &gravity_m_s2),
+            epoch_s,
             point,
-        );
-        if self.pulls.is_some() {
-            observer = observer.in_body_axes(self.acting);
-        }
-        let mut memory = Vec::new();
-        for (at, index) in self.samples.iter().enumerate() {
-            let of = observer.observed_in(*index, &times_s, memory);
-            call(at, &of);
-            memory = of.by_acting;
-        }
-        Some(())
+        ))
     }
 
     /// `Jᵀu` by its own unknowns, and sample by sample by the time, with all times later; `None` where no body has such
@@ -189,22 +200,25 @@ impl<'a> General<'a> {
     fn gradient(&self, point: &Point, later_s: f64) -> Option<DVector<f64>> {
         let own = self.own.len();
         let mut gradient = DVector::zeros(own + self.samples.len());
-        self.each(point, later_s, &mut |at, of| {
-            let pull = self
-                .pulls
-                .map_or(&of.residual, |pulls| &pulls[self.samples[at]]);
-            for (sum, column) in gradient.iter_mut().zip(columns(of)) {
-                *sum += dot(column, pull);
+        let times_s = point.node_times_s.iter().map(|time_s| time_s + later_s);
+        let times_s: Vec<f64> = times_s.collect();
+        let mut observer = self.observer(point)?;
+        if self.pulls.is_some() {
+            observer = observer.in_body_axes(self.acting);
+        }
+        let mut memory = Vec::new();
+        for (at, index) in self.samples.iter().enumerate() {
+            let pull = self.pulls.map(|pulls| &pulls[*index]);
+            let of = observer.pulled_in(*index, &times_s, memory, pull);
+            let columns = of.by_state.iter().chain(&of.by_acting);
+            for (sum, column) in gradient.iter_mut().zip(columns) {
+                *sum += column;
             }
-            gradient[own + at] = dot(&of.by_time, pull);
-        })?;
+            gradient[own + at] = of.by_time;
+            memory = of.by_acting;
+        }
         Some(gradient)
     }
-}
-
-/// Derivatives of a residual by the unknowns of its view.
-fn columns(of: &Observed) -> impl Iterator<Item = &[f64; 6]> {
-    of.by_state.iter().chain(&of.by_acting)
 }
 
 fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {

@@ -3,6 +3,7 @@
 //! summed (`objective`) in a [`context`] that is fixed during a solve.
 
 pub mod context;
+pub(in crate::estimate) mod following;
 pub mod held;
 pub(in crate::estimate) mod lever_rows;
 pub(in crate::estimate) mod levered;

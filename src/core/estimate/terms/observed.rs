@@ -18,8 +18,9 @@
 //! residual `L⁻¹ (p, R₀ e)`, the position being that of the tracker; the logarithm `e` then changes by
 //! `J_l⁻¹(e) δ`.
 
-use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+use nalgebra::{Matrix3, Vector3};
 
+use super::following::{Following, Follows, Pulled, Six, ToUnits};
 use super::modelled::Mount;
 use crate::estimate::problem::influence::{Acting, Influence, drag_is_free, lift_is_free};
 use crate::estimate::problem::{Problem, Shows, View};
@@ -30,19 +31,16 @@ use crate::physics::flow::{Carried, Fall, FallenBySpinning, SpinByMoments, Suppo
 use crate::physics::state::{self, StateTangent, part};
 use crate::physics::{Body, State};
 
-/// A residual in units: position [world], orientation [frame of the epoch].
-type Six = [f64; 6];
-
-/// One residual with its derivatives.
-pub(in crate::estimate) struct Observed {
+/// One residual with its derivatives, or with those of its product with a pull.
+pub(in crate::estimate) struct Observed<C = Six> {
     /// The residual.
     pub(in crate::estimate) residual: Six,
     /// Derivatives by the arc's state.
-    pub(in crate::estimate) by_state: [Six; state::DIMENSION],
+    pub(in crate::estimate) by_state: [C; state::DIMENSION],
     /// Derivative by the sample's time [1/s].
-    pub(in crate::estimate) by_time: Six,
+    pub(in crate::estimate) by_time: C,
     /// Derivatives by the acting parameters, in their order.
-    pub(in crate::estimate) by_acting: Vec<Six>,
+    pub(in crate::estimate) by_acting: Vec<C>,
 }
 
 /// The flight of one arc as its tracker sees it.
@@ -63,52 +61,6 @@ pub(in crate::estimate) struct SampleObserver<'a> {
     by_turn: Matrix3<f64>,
     /// Whether turns are in the body's axes, with all of their derivative, and not in the frame of the epoch.
     is_in_body: bool,
-}
-
-/// How a residual follows a change of the flight: that of the centre of mass, in the world, and that of
-/// the rotation, in the frame of the epoch.
-struct Following<'w> {
-    /// `R₀`.
-    from_epoch: Matrix3<f64>,
-    /// What is seen of a change of the centre of mass.
-    sees_place: bool,
-    /// Of a change of the rotation `δ`, the change of the position, `R₀ (δ × T p)`.
-    lever_m: Vector3<f64>,
-    /// Of a change of the rotation `δ`, the change of the turn: `δ`, `δ × T a` or nothing.
-    turn: Matrix3<f64>,
-    /// From metres and radians to units.
-    to_units: ToUnits<'w>,
-}
-
-enum ToUnits<'w> {
-    /// Units of positions and of turns.
-    Each([f64; 2]),
-    /// `L⁻¹`.
-    Whitened(&'w Matrix6<f64>),
-}
-
-impl Following<'_> {
-    fn six(&self, shift_m: Vector3<f64>, turn: Vector3<f64>) -> Six {
-        let mut position = self.from_epoch * turn.cross(&self.lever_m);
-        if self.sees_place {
-            position += shift_m;
-        }
-        self.in_units(position, self.turn * turn)
-    }
-
-    fn in_units(&self, position_m: Vector3<f64>, turn_rad: Vector3<f64>) -> Six {
-        match &self.to_units {
-            ToUnits::Each([unit_m, unit_rad]) => {
-                let (p, r) = (position_m / *unit_m, turn_rad / *unit_rad);
-                [p.x, p.y, p.z, r.x, r.y, r.z]
-            }
-            ToUnits::Whitened(whitening) => {
-                let turn = self.from_epoch * turn_rad;
-                let both = Vector6::from_iterator(position_m.iter().chain(turn.iter()).copied());
-                (*whitening * both).into()
-            }
-        }
-    }
 }
 
 impl<'a> SampleObserver<'a> {
@@ -227,8 +179,31 @@ impl<'a> SampleObserver<'a> {
         &mut self,
         sample: usize,
         node_times_s: &[f64],
-        mut memory: Vec<Six>,
+        memory: Vec<Six>,
     ) -> Observed {
+        self.followed(sample, node_times_s, memory, |following, _| following)
+    }
+
+    /// The residual of a sample with the derivatives of its product with a pull, by default with itself, which stays as it is.
+    pub(in crate::estimate) fn pulled_in(
+        &mut self,
+        sample: usize,
+        node_times_s: &[f64],
+        memory: Vec<f64>,
+        pull: Option<&Six>,
+    ) -> Observed<f64> {
+        self.followed(sample, node_times_s, memory, |following, residual| {
+            Pulled::new(&following, pull.unwrap_or(residual))
+        })
+    }
+
+    fn followed<F: Follows>(
+        &mut self,
+        sample: usize,
+        node_times_s: &[f64],
+        mut memory: Vec<F::Column>,
+        how: impl FnOnce(Following<'a>, &Six) -> F,
+    ) -> Observed<F::Column> {
         let of = &self.view.samples[sample];
         let stamped_s = self.stamped_s(sample, node_times_s);
         let s = self.time_s(sample, node_times_s) - self.epoch_s;
@@ -307,26 +282,29 @@ impl<'a> SampleObserver<'a> {
             () if sees_place => position_m - centre_m,
             () => zero,
         };
-        let mut by_state = [[0.0; 6]; state::DIMENSION];
+        let residual = following.seen(shift_m, error);
+        let turned_by = following.turn;
+        let following = how(following, &residual);
+        let mut by_state = [following.none(); state::DIMENSION];
         for axis in 0..3 {
             let unit = Vector3::ith(axis, 1.0);
-            by_state[part::POSITION + axis] = following.six(unit, zero);
+            by_state[part::POSITION + axis] = following.flown(unit, zero);
             let spinning = fallen.by_spinning.as_ref();
             let lifted = |of: &dyn Fn(&FallenBySpinning) -> Matrix3<f64>| {
                 spinning.map_or(zero, |spinning| of(spinning).column(axis).into_owned())
             };
             let by_turn = lifted(&|of| of.by_orientation[0]);
-            by_state[part::ORIENTATION + axis] = following.six(by_turn, unit);
+            by_state[part::ORIENTATION + axis] = following.flown(by_turn, unit);
             let by_velocity = fallen.position_by_velocity.column(axis).into_owned();
-            by_state[part::VELOCITY + axis] = following.six(by_velocity, zero);
+            by_state[part::VELOCITY + axis] = following.flown(by_velocity, zero);
             let by_spin = lifted(&|of| of.by_angular_velocity[0]);
-            by_state[part::ANGULAR_VELOCITY + axis] = following.six(by_spin, k.column(axis) * s);
+            by_state[part::ANGULAR_VELOCITY + axis] = following.flown(by_spin, k.column(axis) * s);
         }
         // Changes on a support as those of place and turn.
         let seen = |by: &StateTangent| {
             let shift_m = by.fixed_rows::<3>(part::POSITION).into_owned();
             let turned: Vector3<f64> = by.fixed_rows::<3>(part::ORIENTATION).into();
-            following.six(shift_m, turn * turned)
+            following.flown(shift_m, turn * turned)
         };
         if let Some(carried) = &carried {
             for (at, by) in by_state.iter_mut().enumerate() {
@@ -335,7 +313,7 @@ impl<'a> SampleObserver<'a> {
         }
         let on_support =
             |of: &dyn Fn(&Carried) -> StateTangent| carried.as_ref().map(|c| seen(&of(c)));
-        let by_time = following.six(fallen.velocity_m_s, k * self.state.angular_velocity_rad_s);
+        let by_time = following.flown(fallen.velocity_m_s, k * self.state.angular_velocity_rad_s);
         let by_time = on_support(&|of| of.rate).unwrap_or(by_time);
         let zero_s = node_times_s.first().copied().unwrap_or(0.0);
         let mount_m = self.mount.to_m;
@@ -343,7 +321,7 @@ impl<'a> SampleObserver<'a> {
         let track = self.view.track;
         let by_acting = self.acting.iter().map(|acting| {
             if !acting.is_on(track) {
-                return [0.0; 6];
+                return following.none();
             }
             // The place on the body that is seen, moved by a unit along an axis of the link.
             let moved = |axis: usize, by: f64| {
@@ -353,22 +331,24 @@ impl<'a> SampleObserver<'a> {
                 } else {
                     measured * unit
                 };
-                following.in_units(if sees_place { shift } else { zero }, zero)
+                following.seen(if sees_place { shift } else { zero }, zero)
             };
             match acting.influence {
                 Influence::Pull(axis) => on_support(&|of| of.by_pull[axis]).unwrap_or_else(|| {
-                    following.six(fallen.position_by_pull.column(axis).into_owned(), zero)
+                    following.flown(fallen.position_by_pull.column(axis).into_owned(), zero)
                 }),
-                Influence::SupportFriction => on_support(&|of| of.by_friction).unwrap_or([0.0; 6]),
+                Influence::SupportFriction => {
+                    on_support(&|of| of.by_friction).unwrap_or(following.none())
+                }
                 Influence::LinearDrag => {
-                    following.six(fallen.position_by_drag.column(0).into_owned(), zero)
+                    following.flown(fallen.position_by_drag.column(0).into_owned(), zero)
                 }
                 Influence::QuadraticDrag => {
-                    following.six(fallen.position_by_drag.column(1).into_owned(), zero)
+                    following.flown(fallen.position_by_drag.column(1).into_owned(), zero)
                 }
                 Influence::Lift => {
                     let by_lift = fallen.by_spinning.map_or(zero, |of| of.by_lift[0]);
-                    following.six(by_lift, zero)
+                    following.flown(by_lift, zero)
                 }
                 Influence::Moment(axes) => {
                     let by_moments = self.moments.as_mut().expect("a free moment");
@@ -377,12 +357,12 @@ impl<'a> SampleObserver<'a> {
                         .filter(|axis| axes[*axis])
                         .map(|axis| by_logarithms.column(axis).into_owned())
                         .sum();
-                    following.six(zero, turn * change / self.parameters[acting.parameter])
+                    following.flown(zero, turn * change / self.parameters[acting.parameter])
                 }
                 Influence::Centre(axis) => moved(axis, -1.0),
                 Influence::TrackerPosition(axis) => moved(axis, 1.0),
                 // A direction is no reading of the tracker's frame.
-                Influence::TrackerOrientation(_) if axis.is_some() => [0.0; 6],
+                Influence::TrackerOrientation(_) if axis.is_some() => following.none(),
                 Influence::TrackerOrientation(about) => {
                     let change: Vector3<f64> = self.by_turn.column(about).into();
                     let shift = if sees_place && !is_of_tracker {
@@ -393,26 +373,26 @@ impl<'a> SampleObserver<'a> {
                     let turned = match self.is_in_body {
                         true if sees_turn => so3::right_jacobian_inverse(&error).tr_mul(&change),
                         true => zero,
-                        false => following.turn.tr_mul(&(to_epoch * change)),
+                        false => turned_by.tr_mul(&(to_epoch * change)),
                     };
-                    following.in_units(shift, -turned)
+                    following.seen(shift, -turned)
                 }
-                Influence::ClockRate => by_time.map(|by| by * (stamped_s - zero_s)),
+                Influence::ClockRate => F::times(by_time, stamped_s - zero_s),
                 Influence::ClockOffset => by_time,
                 Influence::SampleTime if of.open == Some(acting.parameter) => {
-                    by_time.map(|by| by * (1.0 + self.mount.rate))
+                    F::times(by_time, 1.0 + self.mount.rate)
                 }
-                Influence::SampleTime => [0.0; 6],
+                Influence::SampleTime => following.none(),
                 Influence::Mass
                 | Influence::SurfaceHeight
                 | Influence::SurfaceTilt(_)
-                | Influence::ContactDuration => [0.0; 6],
+                | Influence::ContactDuration => following.none(),
             }
         });
         memory.clear();
         memory.extend(by_acting);
         Observed {
-            residual: following.in_units(shift_m, error),
+            residual,
             by_state,
             by_time,
             by_acting: memory,
