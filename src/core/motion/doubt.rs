@@ -259,7 +259,6 @@ impl About {
             | About::OpenTimes
             | About::Rivals
             | About::Steps
-            | About::Gap
             | About::Receding
             | About::Energy
             | About::Pull
@@ -268,7 +267,8 @@ impl About {
             | About::Driven
             | About::Untouched
             | About::Limit => Verdict::Plausible,
-            About::Speed
+            About::Gap
+            | About::Speed
             | About::Spin
             | About::Way
             | About::Slowness

@@ -51,9 +51,16 @@ impl Scene {
             .collect()
     }
 
-    /// All candidates at an open collision, in the order of the features: pairs whose contact and
+    /// The candidates at an open collision that its goals permit, in the order of the features: pairs whose contact and
     /// impact are supported. Several contacts are all with the same surface.
     pub fn candidates(&self, event: usize) -> Vec<Contacts> {
+        let mut candidates = self.all_candidates(event);
+        candidates.retain(|contacts| self.may_touch(event, contacts));
+        candidates
+    }
+
+    /// [`Scene::candidates`], whatever goals are at the collision.
+    pub(super) fn all_candidates(&self, event: usize) -> Vec<Contacts> {
         let Some(collision) = self.events[event].kind.collision() else {
             return Vec::new();
         };
@@ -107,7 +114,7 @@ impl Scene {
         collision.contacts = contacts.to_vec();
         for goal in 0..self.goals.len() {
             if self.goals[goal].event == event {
-                // A goal that is far from these contacts shows as a gap of the estimate.
+                // A motion that does not reach these contacts is doubted.
                 let _ = self.snap_to_contact(goal);
             }
         }

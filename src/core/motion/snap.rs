@@ -2,8 +2,10 @@
 
 use thiserror::Error;
 
-use super::scene::{Condition, Goal, GoalSet, GoalTarget, Partner, Scene};
+use super::scene::{Condition, Goal, GoalSet, GoalTarget, Partner, Scene, Touching};
+use crate::math::Pose;
 use crate::physics::contact::{Degenerate, Frame};
+use crate::physics::impact::ContactSet;
 
 /// Largest gap of a goal's pose at a collision that is corrected \[m\].
 const SNAP_M: f64 = 1e-3;
@@ -35,8 +37,8 @@ pub enum SnapError {
 
 impl Scene {
     /// Moves the pose of a goal at a collision into contact, and the place of a contact onto the face that it
-    /// is on: typed digits leave a gap that no motion could close. Other goals and those at open collisions are unchanged. Fails where the
-    /// gap is too large or a contact is degenerate.
+    /// is on: typed digits leave a gap that no motion could close. Other goals are unchanged. Fails where the gap is too large, at
+    /// an open collision that of every candidate, or a contact is degenerate.
     pub fn snap_to_contact(&mut self, goal: usize) -> Result<(), SnapError> {
         if let GoalTarget::Condition(condition) = &self.goals[goal].target
             && let Some((point_m, normal)) = self.face_touched(&self.goals[goal], condition)
@@ -53,27 +55,50 @@ impl Scene {
             }
             return Ok(());
         }
-        let Goal {
-            event,
-            link,
-            target,
-        } = self.goals[goal].clone();
-        let hits_world = self.events[event]
-            .kind
-            .collision()
-            .is_some_and(|c| c.link == link && c.partner == Partner::World);
-        let (
-            true,
-            GoalTarget::Pose {
-                mut world_from_body,
-            },
-        ) = (hits_world, target)
-        else {
+        let of = self.goals[goal].clone();
+        let Some(world_from_body) = self.pose_against_world(&of) else {
             return Ok(());
         };
-        let Ok(Some(set)) = self.contact_set(event) else {
-            return Ok(());
+        match self.contact_set(of.event) {
+            Ok(Some(set)) => {
+                let world_from_body = self.in_contact(&of, world_from_body, &set)?;
+                self.goals[goal].target = GoalTarget::Pose { world_from_body };
+                Ok(())
+            }
+            Ok(None) => self.touches_somehow(&of, &world_from_body),
+            Err(_) => Ok(()),
+        }
+    }
+
+    /// Whether the goals at a collision permit that these touch there.
+    pub(super) fn may_touch(&self, event: usize, contacts: &[Touching]) -> bool {
+        let Ok(Some(set)) = self.contact_set_of(event, contacts) else {
+            return false;
         };
+        let mut goals = self.goals.iter().filter(|goal| goal.event == event);
+        goals.all(|goal| {
+            let pose = self.pose_against_world(goal);
+            pose.is_none_or(|pose| self.in_contact(goal, pose, &set).is_ok())
+        })
+    }
+
+    /// The pose of a goal where its link hits the static world.
+    fn pose_against_world(&self, goal: &Goal) -> Option<Pose> {
+        let collision = self.events[goal.event].kind.collision()?;
+        let hits_world = collision.link == goal.link && collision.partner == Partner::World;
+        match goal.target {
+            GoalTarget::Pose { world_from_body } if hits_world => Some(world_from_body),
+            _ => None,
+        }
+    }
+
+    /// A goal's pose moved into contact.
+    fn in_contact(
+        &self,
+        goal: &Goal,
+        mut world_from_body: Pose,
+        set: &ContactSet,
+    ) -> Result<Pose, SnapError> {
         for (index, contact) in set.as_slice().iter().enumerate() {
             let frame = Frame {
                 position_m: world_from_body.translation.vector,
@@ -83,8 +108,8 @@ impl Scene {
             let limit_m = if index == 0 { SNAP_M } else { FURTHER_M };
             if !(touch.gap_m.abs() <= limit_m) {
                 return Err(SnapError::Apart {
-                    link: self.links[link].name.clone(),
-                    event: self.events[event].name.clone(),
+                    link: self.links[goal.link].name.clone(),
+                    event: self.events[goal.event].name.clone(),
                     gap_m: touch.gap_m,
                     limit_m,
                 });
@@ -93,7 +118,29 @@ impl Scene {
                 world_from_body.translation.vector -= touch.normal * touch.gap_m;
             }
         }
-        self.goals[goal].target = GoalTarget::Pose { world_from_body };
-        Ok(())
+        Ok(world_from_body)
+    }
+
+    /// Fails where a goal's pose is in none of the contacts that a collision leaves open, by the nearest of them.
+    fn touches_somehow(&self, goal: &Goal, world_from_body: &Pose) -> Result<(), SnapError> {
+        let mut nearest: Option<(f64, SnapError)> = None;
+        for contacts in self.all_candidates(goal.event) {
+            let Ok(Some(set)) = self.contact_set_of(goal.event, &contacts) else {
+                continue;
+            };
+            match self.in_contact(goal, *world_from_body, &set) {
+                Ok(_) => return Ok(()),
+                Err(SnapError::Degenerate(_)) => {}
+                Err(apart @ SnapError::Apart { gap_m, .. }) => {
+                    if nearest
+                        .as_ref()
+                        .is_none_or(|(least_m, _)| gap_m.abs() < *least_m)
+                    {
+                        nearest = Some((gap_m.abs(), apart));
+                    }
+                }
+            }
+        }
+        nearest.map_or(Ok(()), |(_, apart)| Err(apart))
     }
 }

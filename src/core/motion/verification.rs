@@ -184,7 +184,7 @@ pub struct Verification {
     pub touches: Vec<Touch>,
     /// Contacts that pull.
     pub pulls: Vec<Pull>,
-    /// What surfaces would have to do to what is on them, and cannot.
+    /// What surfaces would have to do to what is on them, and cannot; and what does not touch where it hits.
     pub carried: Vec<Doubt>,
     /// The forward simulation.
     pub single_shot: SingleShot,

@@ -32,7 +32,7 @@ const RESIDUAL: f64 = 5.0;
 /// Greatest distance by halved steps \[m\].
 const STEPS_M: f64 = 1e-6;
 /// Greatest distance of a contact from touching at its impact \[m\],
-const GAP_M: f64 = 1e-6;
+pub(super) const GAP_M: f64 = 1e-6;
 /// greatest speed at which it recedes before [m/s], and share of the kinetic energy that is gained.
 const RECEDING_M_S: f64 = 1e-6;
 const ENERGY: f64 = 1e-9;

@@ -8,6 +8,7 @@
 //! [`verify`](verify()) runs all of these. [`credible`] checks in addition whether the motion can
 //! be what was acted; [`joined`] checks what is checked of joined bodies.
 
+mod apart;
 mod balance;
 mod bound;
 mod carried;

@@ -7,7 +7,7 @@ use super::verify;
 use crate::config::scene_from_toml;
 use crate::motion::{
     About, Against, ArcEstimate, Counters, DurationEstimate, End, Estimate, EventEstimate,
-    FitUntold, Gap, LinkIndex, MechanismIndex, Penetration, Progress, Scene, Verdict,
+    FitUntold, Gap, LinkIndex, MechanismIndex, Penetration, Place, Progress, Scene, Verdict,
 };
 use crate::physics::impact::{Law, Side};
 use crate::physics::{Drag, State, flow};
@@ -479,9 +479,17 @@ fn a_collision_that_does_not_happen_is_missed() {
         &format!("{TABLE}{DROP}"),
     );
     let mut motion = bounced(&scene, leaning(0.1), Vector3::new(0.0, 0.0, -0.095));
+    let apart = |motion: &Estimate| {
+        let doubts = verify(&scene, motion).doubts();
+        doubts.into_iter().find(|of| of.about == About::Gap)
+    };
+    assert_eq!(apart(&motion), None);
     motion.arcs[0].state.position_m.z += 1.0;
     let shot = verify(&scene, &motion).single_shot;
     assert_eq!((shot.missed, shot.restarts), (vec![0], vec![0]));
+    let apart = apart(&motion).unwrap();
+    assert!((apart.value - 1.0).abs() < 1e-9 && apart.place == Place::Event(0));
+    assert_eq!(apart.about.best(), Verdict::Failed);
 }
 
 /// A pencil falls tip down on a box that rests; then its flight goes on into it.

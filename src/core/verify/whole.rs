@@ -1,7 +1,7 @@
 //! All checks of one estimate.
 
 use super::meeting::World;
-use super::{balance, carried, overlap, pull, shot, touch, tumble};
+use super::{apart, balance, carried, overlap, pull, shot, touch, tumble};
 use crate::motion::{Estimate, LinkIndex, Observer, Penetration, Scene, Touch, Verification};
 
 /// Checks an estimated motion independently of its estimation.
@@ -35,6 +35,7 @@ pub fn verify_until(
         carried: carried::doubts(&world)
             .into_iter()
             .chain(tumble::doubts(&world))
+            .chain(apart::doubts(&world))
             .collect(),
         single_shot: shot::shoot(&world),
         balance: balance::balance(&world),

@@ -426,3 +426,33 @@ fn contradictions_are_refused_where_they_can_be_told() {
     let again = error_of(&goal("position_mm = [0, 0, 0]\nposition_mm = [0, 0, 1]"));
     assert!(again.to_string().contains("duplicate key"), "{again}");
 }
+
+#[test]
+fn a_pose_at_a_collision_is_in_one_of_its_contacts() {
+    let open = |text: &str| text.replace("feature = \"tip\"\nsurface = \"table\"", "");
+    let pose = |z_mm: f64| {
+        at_bounce(&format!(
+            "position_mm = [0, 0, {z_mm}]\norientation_wxyz = [1, 0, 0, 0]"
+        ))
+    };
+    let z_m = |text: &str| match goals(text)[0].target {
+        GoalTarget::Pose { world_from_body } => world_from_body.translation.z,
+        ref other => panic!("{other:?}"),
+    };
+    // The table is at 10 mm, the mug's floor ends at 4 mm.
+    let apart = "between \"pencil\" and what it touches at \"bounce\", expected at most 1 mm";
+    refused(&pose(3000.0), 44, "", &format!("leaves 2895 mm {apart}"));
+    refused(
+        &open(&pose(3000.0)),
+        43,
+        "",
+        &format!("leaves 2895 mm {apart}"),
+    );
+    refused(&open(&pose(12.0)), 43, "", apart);
+    assert!((z_m(&pose(105.5)) - 0.105).abs() < 1e-12);
+    let scene = scene_from_toml(&open(&pose(105.0))).unwrap();
+    let [only] = &scene.candidates(1)[..] else {
+        panic!("{:?}", scene.candidates(1));
+    };
+    assert_eq!(scene.words_of(1, only).unwrap(), "tip on table");
+}

@@ -55,6 +55,14 @@ impl Influence {
                 | Influence::SupportFriction
         )
     }
+
+    /// Whether it changes what is in contact in a given pose.
+    pub fn is_of_contact(self) -> bool {
+        matches!(
+            self,
+            Influence::Centre(_) | Influence::SurfaceHeight | Influence::SurfaceTilt(_)
+        )
+    }
 }
 
 /// What a parameter belongs to.
