@@ -77,6 +77,7 @@ pub(crate) fn sketch() -> Sketch {
         tracks: [TrackSketch::new(samples)].into_iter().collect(),
         marks_s: vec![0.8, 1.9],
         contacts_s: Default::default(),
+        cuts_sd_s: Default::default(),
         marks: vec![None; 2],
     }
 }

@@ -163,6 +163,7 @@ impl Problem {
                 .filter_map(|of| Some(scene.links[of.links().next()?].body))
                 .collect(),
             changes,
+            cuts_sd_s: sketch.cuts_sd_s.clone(),
             stickings: support::stickings(scene, &arcs, &gravity_parameters),
             supports: support::supports(scene, &arcs),
             grips: support::grips(scene, sketch),

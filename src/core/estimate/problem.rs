@@ -6,6 +6,7 @@ pub mod influence;
 pub(in crate::estimate) mod pull;
 pub mod weave;
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use nalgebra::{Matrix6, UnitQuaternion, Vector3};
@@ -596,6 +597,8 @@ pub struct Problem {
     pub ordered: Vec<Ordered>,
     /// Events at which a motion on a support ends or begins without an impact.
     pub changes: Vec<ArcChange>,
+    /// How uncertain it is where the stream is cut, by their event \[s\].
+    pub cuts_sd_s: BTreeMap<usize, f64>,
     /// Events from which on two bodies are one.
     pub stickings: Vec<ArcSticking>,
     /// Where motions on a support begin with the performance.

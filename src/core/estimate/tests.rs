@@ -361,6 +361,7 @@ pub(super) fn sketch(scene: &Scene, offset: f64) -> (Sketch, Vec<Segment>, Guess
         origin: Stamp(0),
         tracks,
         contacts_s: Default::default(),
+        cuts_sd_s: Default::default(),
         marks_s: marks_s.clone(),
         // What nothing remains of has marks that say nothing.
         marks: marks_s

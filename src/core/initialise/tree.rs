@@ -229,6 +229,7 @@ mod tests {
                 tracks: tracks.by_ref().collect(),
                 marks_s: vec![0.0, 0.1],
                 contacts_s: Default::default(),
+                cuts_sd_s: Default::default(),
                 marks: vec![None; 2],
             };
             for place in 0..2 {

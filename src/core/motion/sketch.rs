@@ -122,6 +122,8 @@ pub struct Sketch {
     pub marks: Vec<Option<MarkTime>>,
     /// How long contacts last in the stream, by their event \[s\]: samples meanwhile are of neither side. Others are one moment.
     pub contacts_s: BTreeMap<usize, f64>,
+    /// How uncertain it is where the stream is cut as a hand lets go of a body or takes it, by the event \[s\].
+    pub cuts_sd_s: BTreeMap<usize, f64>,
 }
 
 impl TrackSketch {

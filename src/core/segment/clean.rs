@@ -485,6 +485,7 @@ fn sketch(
         marks_s: stamps.iter().map(|stamp| seconds(*stamp, origin)).collect(),
         marks: vec![None; stamps.len()],
         contacts_s: BTreeMap::new(),
+        cuts_sd_s: BTreeMap::new(),
     }
 }
 

@@ -10,6 +10,8 @@
 //! with the innovations `e` of the hand's filter and their covariances `S`, the variance `r` of a reading, the best flight
 //! through the rest, and the mark's error as in [`refine`](super::refine). Where a body is taken, time runs backward.
 //!
+//! Its deviation is that of all cuts about it, each with its likelihood; the estimate's own is that of one cut.
+//!
 //! A performer who acts the flight holds the body all the time: then it does not fly as exactly as the tracker sees, and
 //! the mark stays.
 
@@ -51,17 +53,26 @@ pub fn regrip(scene: &Scene, sketch: &mut Sketch) {
                 false => others.take_while(|of| *of < event).last(),
             };
             if let Some(flown_to) = flown_to
-                && let Some(time_s) = cut_s(scene, sketch, hand, [other, event, flown_to])
+                && let Some(cut) = cut(scene, sketch, hand, [other, event, flown_to])
             {
-                sketch.marks_s[event] = time_s;
+                sketch.marks_s[event] = cut.time_s;
+                sketch.cuts_sd_s.insert(event, cut.sd_s);
             }
         }
     }
 }
 
-/// Where the cut between the hand's motion and the flight is best \[s\]; the events are those at which the hand's motion begins
+/// A cut between the hand's motion and the flight.
+struct GripCut {
+    /// Where it is best \[s\].
+    time_s: f64,
+    /// How far others are from it, each as likely as the samples say \[s\].
+    sd_s: f64,
+}
+
+/// The best cut between the hand's motion and the flight; the events are those at which the hand's motion begins
 /// or ends, the cut, and the other end of the flight. `None` where nothing shows that.
-fn cut_s(scene: &Scene, sketch: &Sketch, hand: &InHand, events: [usize; 3]) -> Option<f64> {
+fn cut(scene: &Scene, sketch: &Sketch, hand: &InHand, events: [usize; 3]) -> Option<GripCut> {
     let of = &sketch.tracks[hand.track];
     let interval_s = median_interval_s(of).max(1e-9);
     let [far_s, mark_s, end_s] = events.map(|event| sketch.marks_s[event]);
@@ -128,6 +139,17 @@ fn cut_s(scene: &Scene, sketch: &Sketch, hand: &InHand, events: [usize; 3]) -> O
         let mark = sketch.marks[events[1]].map_or(0.0, |mark| unlikely_mark(&mark, time_s(cut)));
         0.5 * (held[cut] + flown) + mark
     };
-    let best = (least..=most).min_by(|a, b| unlikely(*a).total_cmp(&unlikely(*b)))?;
-    Some(time_s(best))
+    let each: Vec<(f64, f64)> = (least..=most)
+        .map(|cut| (time_s(cut), unlikely(cut)))
+        .collect();
+    let (best_s, fewest) = *each.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let weights = each.iter().map(|(_, unlikely)| (fewest - unlikely).exp());
+    let square_s2 = each.iter().zip(weights.clone());
+    let square_s2: f64 = square_s2
+        .map(|((time_s, _), weight)| weight * (time_s - best_s).powi(2))
+        .sum();
+    Some(GripCut {
+        time_s: best_s,
+        sd_s: (square_s2 / weights.sum::<f64>()).sqrt(),
+    })
 }

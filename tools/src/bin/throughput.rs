@@ -132,6 +132,7 @@ fn process(input: &Path, output: &Path) -> Result<u64> {
         tracks: TiVec::new(),
         marks_s: Vec::new(),
         contacts_s: Default::default(),
+        cuts_sd_s: Default::default(),
         marks: Vec::new(),
     };
     let written = write_estimate(

@@ -73,6 +73,7 @@ impl Performance {
             origin,
             tracks,
             contacts_s: Default::default(),
+            cuts_sd_s: Default::default(),
             marks: vec![None; marks_s.len()],
             marks_s,
         }

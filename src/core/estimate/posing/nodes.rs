@@ -136,6 +136,7 @@ mod tests {
                 .collect(),
             marks_s: vec![0.41],
             contacts_s: Default::default(),
+            cuts_sd_s: Default::default(),
             marks: vec![None],
         };
         let segment = |samples| Segment {

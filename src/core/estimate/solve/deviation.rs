@@ -54,7 +54,9 @@ pub fn fill(
             continue;
         }
         let sd_s = sd_s.filter(|_| shows_hand(context, &solution.point, event.event));
-        event.sd_s = covering(sd_s, moment, event.at_bound);
+        let cut_sd_s = context.problem.cuts_sd_s.get(&event.event);
+        event.sd_s = covering(sd_s, moment, event.at_bound)
+            .map(|sd_s| sd_s.hypot(cut_sd_s.copied().unwrap_or(0.0)));
         if !moment.is_empty() && sd_s.is_none() {
             undetermined_times.push(Undetermined::EventTime(event.event));
         }

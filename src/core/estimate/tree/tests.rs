@@ -45,6 +45,7 @@ fn sketch_of(scene: &Scene, count: usize) -> Sketch {
             .collect::<TiVec<_, _>>(),
         marks_s: vec![0.0, 0.01 * (count - 1) as f64],
         contacts_s: Default::default(),
+        cuts_sd_s: Default::default(),
         marks: vec![None; 2],
     }
 }

@@ -70,6 +70,7 @@ fn sketch(samples: Vec<Sample>, bounces: usize) -> Sketch {
         tracks: [TrackSketch::new(samples)].into_iter().collect(),
         marks_s: vec![0.0; bounces],
         contacts_s: Default::default(),
+        cuts_sd_s: Default::default(),
         marks: vec![None; bounces],
     }
 }

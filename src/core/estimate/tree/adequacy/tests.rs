@@ -108,6 +108,7 @@ fn sketch(scene: &Scene) -> Sketch {
         origin: Stamp(0),
         tracks: scene.tracks.iter().map(|_| track.clone()).collect(),
         contacts_s: Default::default(),
+        cuts_sd_s: Default::default(),
         marks: marks_s.iter().map(|mark_s| mark(*mark_s)).collect(),
         marks_s,
     }

@@ -31,6 +31,7 @@ fn long() -> (TreeProblem, TreePoint) {
         tracks: scene.tracks.iter().map(|_| track.clone()).collect(),
         marks_s: vec![0.0, 0.01 * (COUNT - 1) as f64],
         contacts_s: Default::default(),
+        cuts_sd_s: Default::default(),
         marks: vec![None; 2],
     };
     let mut problem = TreeProblem::new(&scene, &sketch);
