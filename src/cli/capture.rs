@@ -8,9 +8,12 @@ use super::exit::Exit;
 use super::output;
 use crate::report::plain;
 use crate::service::capture::{
-    ActingPage, CaptureEvent, CaptureJob, CountsLine, Presence, Status, TakeLabel, TrackerState,
-    capture,
+    ActingPage, CaptureEvent, CaptureJob, CountsLine, HttpsLink, Presence, Status, TakeLabel,
+    TrackerState, capture,
 };
+
+/// Port of the acting page for other devices where none is said.
+const HTTPS_PORT: u16 = 9465;
 
 pub(super) fn run(arguments: CaptureArguments, verbose: bool) -> anyhow::Result<Exit> {
     let job = CaptureJob {
@@ -24,6 +27,7 @@ pub(super) fn run(arguments: CaptureArguments, verbose: bool) -> anyhow::Result<
             None => ActingPage::Found,
             Some(file) => ActingPage::File(file),
         }),
+        https_port: arguments.https.map(|port| port.unwrap_or(HTTPS_PORT)),
     };
     let format = arguments.format;
     let style = Style {
@@ -63,6 +67,7 @@ fn text(said: &CaptureEvent, style: Style) -> String {
             metrics,
             page,
             acting,
+            https,
         } => {
             let mut text = format!("ready: {}\n", plain(&topics.join(", ")));
             if let Some(viewer) = viewer {
@@ -78,6 +83,12 @@ fn text(said: &CaptureEvent, style: Style) -> String {
             }
             if let Some(acting) = acting {
                 text.push_str(&format!("  acting page, with its pairing code: {acting}\n"));
+            }
+            if let Some(HttpsLink { link, fingerprint }) = https {
+                text.push_str(&format!(
+                    "  acting page for other devices: {link}\n{}  its certificate, where the browser warns, SHA-256:\n    {fingerprint}\n",
+                    qr(link)
+                ));
             }
             for shortcoming in shortcomings {
                 text.push_str(&format!("  note: {}\n", plain(shortcoming)));
@@ -171,6 +182,21 @@ fn text(said: &CaptureEvent, style: Style) -> String {
         }
         CaptureEvent::Warning { text } => format!("warning: {}\n", plain(text)),
     }
+}
+
+/// A link for a camera, light on dark.
+fn qr(link: &str) -> String {
+    use qrcode::render::unicode::Dense1x2;
+    let Ok(code) = qrcode::QrCode::new(link) else {
+        return String::new();
+    };
+    let mut picture = code.render::<Dense1x2>();
+    picture
+        .dark_color(Dense1x2::Light)
+        .light_color(Dense1x2::Dark);
+    let picture = picture.build();
+    let lines = picture.lines().map(|line| format!("    {line}\n"));
+    lines.collect()
 }
 
 /// One line per stream: samples received, source of the stamps, and problems.

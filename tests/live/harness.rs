@@ -130,6 +130,11 @@ impl House {
         }
     }
 
+    /// Folder of the user's data.
+    pub fn data(&self) -> PathBuf {
+        self.whole.path().join("data")
+    }
+
     pub fn iceoryx2(&self) -> &Path {
         &self.iceoryx2
     }
@@ -306,6 +311,7 @@ impl Daemon {
     /// Starts one and waits until it is ready.
     pub fn start(house: &House, scene: &str, arguments: &[&str]) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_enact"));
+        command.env("XDG_DATA_HOME", house.data());
         command.args(["capture", scene, "-o", house.text(house.folder())]);
         command.args(arguments);
         command.arg("--iceoryx2").arg(house.iceoryx2());

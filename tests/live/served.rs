@@ -9,6 +9,7 @@ mod acting;
 mod crowd;
 mod descriptors;
 mod health;
+mod https;
 mod page;
 mod socket;
 

@@ -35,6 +35,10 @@ pub(in crate::cli) struct CaptureArguments {
     /// [FILE: the page, by default `acting.html` beside the program or what was made in tools/acting]
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     pub(in crate::cli) acting: Option<Option<PathBuf>>,
+    /// Serve it by HTTPS, too, to headsets and phones on the network [PORT: 9465 if none is said, 0 for any]; the certificate is
+    /// made at the first start and kept in ~/.local/share/enact
+    #[arg(long, value_name = "PORT", num_args = 0..=1, require_equals = true, requires = "acting")]
+    pub(in crate::cli) https: Option<Option<u16>>,
     /// Configuration file of iceoryx2 [default: where iceoryx2 looks for it]
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) iceoryx2: Option<PathBuf>,

@@ -1,6 +1,6 @@
 //! The daemon: starts the threads, connects their queues, and ends them in order.
 
-use std::net::SocketAddr;
+use std::net::{Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,9 +15,10 @@ use tokio::sync::watch;
 use super::acting::page::{ActingPage, page_text};
 use super::acting::pairing::Pairing;
 use super::acting::{ActingParts, ActingStage};
+use super::certificate::{Certificate, own_address};
 use super::director::Director;
 use super::estimator::finals;
-use super::event::{CaptureEvent, Status};
+use super::event::{CaptureEvent, HttpsLink, Status};
 use super::gate::GatePlaces;
 use super::http::{self, Pages};
 use super::listen::{Listen, OpenedStream};
@@ -87,6 +88,8 @@ pub struct CaptureJob {
     pub metrics_port: Option<u16>,
     /// The acting page, if it is to be served: at the port of health and metrics, 9464 if none is said.
     pub acting: Option<ActingPage>,
+    /// Port at which other devices get it by HTTPS, 0 for any.
+    pub https_port: Option<u16>,
 }
 
 /// Captures until SIGTERM, SIGINT or SIGHUP, or until `each` fails; returns whether everything that came in
@@ -310,6 +313,7 @@ impl Running {
             metrics: &metrics,
             stop: &stop,
             acting_html,
+            https_port: job.https_port,
         };
         // Nothing has started yet except threads that wait on their queues.
         let served = match doors
@@ -330,6 +334,7 @@ impl Running {
                 .map(|address| operators_link(address, &token)),
             metrics: served.metrics.clone(),
             acting: served.acting.clone(),
+            https: served.https.clone(),
             topics: topics.iter().map(|topic| topic.topic.clone()).collect(),
             shortcomings,
             abandoned: left.iter().map(|path| path.display().to_string()).collect(),
@@ -410,14 +415,17 @@ struct Doors<'a> {
     token: Token,
     /// The acting page, if it is to be served.
     acting_html: Option<String>,
+    https_port: Option<u16>,
 }
 
 /// Addresses of the servers, and the recorder's end of the viewers' queue.
 struct Servers {
     viewer: Option<String>,
     metrics: Option<String>,
-    /// Link to the acting page, with the pairing code.
+    /// Link to the acting page, with the pairing code,
     acting: Option<String>,
+    /// and for other devices.
+    https: Option<HttpsLink>,
     feed: Option<Feed>,
 }
 
@@ -434,23 +442,30 @@ impl Doors<'_> {
             viewer: None,
             metrics: None,
             acting: None,
+            https: None,
             feed: None,
         };
         if let Some(address) = self.settings.metrics_port.map(at) {
-            let acting = self.acting(&status, acted)?;
-            let code = acting.as_ref().map(|acting| acting.code().to_owned());
-            let pages = Pages {
-                acting: acting.map(Arc::new),
+            let acting = self.acting(&status, acted)?.map(Arc::new);
+            let pages = |is_acting_alone: bool| Pages {
+                acting: acting.clone(),
+                is_acting_alone,
                 metrics: Arc::clone(self.metrics),
                 status: status.clone(),
                 stop: Arc::clone(self.stop),
-                director: Director::new(self.scene, orders, status.clone(), self.token),
+                director: Director::new(self.scene, orders.clone(), status.clone(), self.token),
                 origins: self.origins.clone(),
             };
-            let opened = http::serve(address, self.places, pages).await;
+            let opened = http::serve(address, self.places, pages(false), None).await;
             let address = opened.with_context(|| format!("{address}: no metrics"))?;
             served.metrics = Some(format!("http://{address}"));
-            served.acting = code.map(|code| format!("http://{address}/act#code={code}"));
+            if let Some(acting) = &acting {
+                let code = acting.code();
+                served.acting = Some(format!("http://{address}/act#code={code}"));
+                if let Some(port) = self.https_port {
+                    served.https = Some(self.open_elsewhere(port, pages(true), code).await?);
+                }
+            }
         }
         if let Some(address) = self.settings.viewer_port.map(at) {
             let what = (self.scene, self.topics);
@@ -462,6 +477,27 @@ impl Doors<'_> {
             served.feed = Some(feed);
         }
         Ok(served)
+    }
+
+    /// Serves the acting page to other devices.
+    async fn open_elsewhere(
+        &self,
+        port: u16,
+        pages: Pages,
+        code: &str,
+    ) -> anyhow::Result<HttpsLink> {
+        let Certificate {
+            acceptor,
+            fingerprint,
+        } = Certificate::kept()?;
+        let address = SocketAddr::new(Ipv4Addr::UNSPECIFIED.into(), port);
+        let opened = http::serve(address, self.places, pages, Some(acceptor)).await;
+        let opened = opened.with_context(|| format!("{address}: no acting page by HTTPS"))?;
+        let address = SocketAddr::new(own_address(), opened.port());
+        Ok(HttpsLink {
+            link: format!("https://{address}/act#code={code}"),
+            fingerprint,
+        })
     }
 
     /// What the acting page is served with, if it is.

@@ -10,6 +10,15 @@ use crate::ingest::live::TallyCounts;
 use crate::ingest::live::{TakeRecord, TakeState};
 use crate::report::RecordingReport;
 
+/// Where other devices find the acting page.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HttpsLink {
+    /// The link, which has the pairing code.
+    pub link: String,
+    /// SHA-256 of the certificate, as browsers show it.
+    pub fingerprint: String,
+}
+
 /// An event of the daemon.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "what", rename_all = "snake_case")]
@@ -32,6 +41,9 @@ pub enum CaptureEvent {
         /// Link to the acting page, if it is served: it has the pairing code, and is for who acts alone.
         #[serde(skip_serializing_if = "Option::is_none")]
         acting: Option<String>,
+        /// The same for other devices, if it is served to them.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        https: Option<HttpsLink>,
     },
     /// A take has begun.
     Started {
@@ -245,8 +257,14 @@ impl CaptureEvent {
     pub(super) fn answer(&self) -> Option<String> {
         if let CaptureEvent::Ready { .. } = self {
             let mut said = self.clone();
-            if let CaptureEvent::Ready { page, acting, .. } = &mut said {
-                (*page, *acting) = (None, None);
+            if let CaptureEvent::Ready {
+                page,
+                acting,
+                https,
+                ..
+            } = &mut said
+            {
+                (*page, *acting, *https) = (None, None, None);
             }
             return serde_json::to_string(&said).ok();
         }

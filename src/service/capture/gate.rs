@@ -60,8 +60,8 @@ impl GatePlaces {
     }
 
     fn of_limit(descriptors: usize) -> Self {
-        // Two ports with peers that wait, two shares each; viewers; peers that are answered.
-        let share = descriptors.saturating_sub(RESERVED) / 6;
+        // Three ports with peers that wait, two shares each; viewers; peers of two ports that are answered.
+        let share = descriptors.saturating_sub(RESERVED) / 9;
         Self {
             waiting: (2 * share).clamp(8, 128),
             viewers: share.clamp(2, 32),
@@ -230,13 +230,13 @@ mod tests {
     fn recording_keeps_its_descriptors_whatever_the_limit() {
         for (limit, waiting, viewers) in [
             (64, 8, 2),
-            (400, 48, 24),
+            (400, 32, 16),
             (1024, 128, 32),
             (usize::MAX, 128, 32),
         ] {
             let places = GatePlaces::of_limit(limit);
             assert_eq!((places.waiting, places.viewers), (waiting, viewers));
-            let all = 2 * places.waiting + places.viewers + places.answered;
+            let all = 3 * places.waiting + places.viewers + 2 * places.answered;
             assert!(limit <= RESERVED || all + RESERVED <= limit, "{places:?}");
         }
     }

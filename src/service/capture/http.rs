@@ -12,6 +12,8 @@
 //! | `/act` | 200, the acting page, where it is served ([`acting`](super::acting)); `/act/scene.glb` is its scene |
 //! | `/act/socket` | 101, its WebSocket, for a page of this server's own |
 //!
+//! Where other devices are served by HTTPS there is only what acting needs: `/act` and `/motion`.
+//!
 //! Anything else is refused: another path with 404, another method with 405, a malformed request
 //! with 400, a name that is none of the daemon's with 421 ([`Origins::is_known`]), more than 8 KiB of head or of
 //! body with 431 or 413, an order without the daemon's token, or from a page that is not this server's own, with 403
@@ -29,6 +31,7 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
+use tokio_rustls::TlsAcceptor;
 
 use super::acting::{self, ActingStage, Upgraded, derive_accept_key};
 use super::director::Director;
@@ -57,26 +60,36 @@ pub(super) struct Pages {
     pub(super) origins: Origins,
     /// The acting page, if it is served.
     pub(super) acting: Option<Arc<ActingStage>>,
+    /// Whether nothing else is: for other devices.
+    pub(super) is_acting_alone: bool,
 }
 
-/// Listens on an address and answers in tasks of its own; returns the bound address.
+/// Listens on an address and answers in tasks of its own, by HTTPS where there is a certificate; returns the bound address.
 pub(super) async fn serve(
     address: SocketAddr,
     places: GatePlaces,
     pages: Pages,
+    acceptor: Option<TlsAcceptor>,
 ) -> std::io::Result<SocketAddr> {
     let listener = TcpListener::bind(address).await?;
     let address = listener.local_addr()?;
     let pages = Arc::new(pages);
     let answered = Arc::new(Semaphore::new(places.answered));
-    let gate = Gate::with_spare("metrics", places.waiting, &pages.metrics);
+    let gate = match &acceptor {
+        Some(_) => Gate::new("acting", places.waiting, &pages.metrics),
+        None => Gate::with_spare("metrics", places.waiting, &pages.metrics),
+    };
     let serve = move |stream, waiting| {
         let (pages, answered) = (Arc::clone(&pages), Arc::clone(&answered));
+        let acceptor = acceptor.clone();
         async move {
-            match pages.answer(stream, waiting, &answered).await {
-                Ok(None) => {}
-                Ok(Some(upgraded)) => pages.act(upgraded).await,
-                Err(_) => pages.metrics.requests_refused.add(),
+            let Some(acceptor) = acceptor else {
+                return pages.meet(stream, waiting, &answered).await;
+            };
+            // The greeting is part of what a peer has to say before it is heard.
+            match tokio::time::timeout(PATIENCE, acceptor.accept(stream)).await {
+                Ok(Ok(stream)) => pages.meet(stream, waiting, &answered).await,
+                Ok(Err(_)) | Err(_) => pages.metrics.requests_refused.add(),
             }
         }
     };
@@ -100,6 +113,20 @@ enum Answer {
 }
 
 impl Pages {
+    /// Answers a peer, to the end of its connection.
+    async fn meet<S: AsyncRead + AsyncWrite + Unpin>(
+        &self,
+        stream: S,
+        waiting: Waiting,
+        answered: &Semaphore,
+    ) {
+        match self.answer(stream, waiting, answered).await {
+            Ok(None) => {}
+            Ok(Some(upgraded)) => self.act(upgraded).await,
+            Err(_) => self.metrics.requests_refused.add(),
+        }
+    }
+
     /// Takes one request and sends the reply; what is left of the connection where a WebSocket begins on it.
     pub(super) async fn answer<S: AsyncRead + AsyncWrite + Unpin>(
         &self,

@@ -115,6 +115,7 @@
 //! existing ones.
 
 mod acting;
+mod certificate;
 mod daemon;
 mod director;
 mod estimator;
@@ -145,7 +146,7 @@ mod viewer;
 
 pub use acting::page::ActingPage;
 pub use daemon::{CaptureJob, capture};
-pub use event::{CaptureEvent, CountsLine, MarkCounts, Status, TrackerLine};
+pub use event::{CaptureEvent, CountsLine, HttpsLink, MarkCounts, Status, TrackerLine};
 pub use label::TakeLabel;
 pub use latency::LatencyLine;
 pub use presence::{Presence, TrackerState};

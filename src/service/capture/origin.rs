@@ -53,7 +53,11 @@ impl Origins {
     /// Whether a page may direct takes, if it knows the token: only the daemon's own, as a page that the daemon
     /// served says of itself. Pages that may watch may not direct. A program says no page.
     pub(super) fn may_direct(&self, origin: Option<&str>, host: Option<&str>) -> bool {
-        self.is_known(host) && origin.is_none_or(|origin| origin.strip_prefix("http://") == host)
+        let of_host = |origin: &str| {
+            let mut schemes = ["http://", "https://"].into_iter();
+            schemes.any(|scheme| origin.strip_prefix(scheme) == host)
+        };
+        self.is_known(host) && origin.is_none_or(of_host)
     }
 }
 

@@ -150,6 +150,7 @@ impl Ports {
             gate: Gate::new("metrics", 1, &metrics),
             pages: Pages {
                 acting: Some(Arc::new(acting)),
+                is_acting_alone: false,
                 metrics,
                 status: status.subscribe(),
                 stop: Arc::new(AtomicBool::new(false)),

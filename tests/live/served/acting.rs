@@ -18,17 +18,21 @@ use super::{MARKS, POSES, RECORDING, SCENE};
 use crate::harness::{Daemon, House, Patience, ended};
 
 /// A page in a house, and a daemon that serves it.
-fn begin(house: &House) -> (Daemon, String) {
+pub fn begin(house: &House, more: &[&str]) -> (Daemon, String) {
     let page: PathBuf = house.folder().join("page.html");
     std::fs::write(&page, "<!doctype html><title>acting</title>").expect("write");
     let acting = format!("--acting={}", page.display());
-    let daemon = Daemon::start(house, SCENE, &[&acting, "--metrics-port", "0"]);
+    let daemon = Daemon::start(
+        house,
+        SCENE,
+        &[&[acting.as_str(), "--metrics-port", "0"], more].concat(),
+    );
     let url = daemon.ready["metrics"].as_str().expect("served").to_owned();
     (daemon, url)
 }
 
 /// The code in the link to the acting page.
-fn code(daemon: &Daemon) -> String {
+pub fn code(daemon: &Daemon) -> String {
     let link = daemon.ready["acting"].as_str().expect("a link");
     let (_, code) = link.split_once("/act#code=").expect("a code");
     assert!(
@@ -48,11 +52,24 @@ fn request(host: &str, origin: Option<&str>) -> String {
 }
 
 /// An acting page, byte by byte.
-struct ActingPage(TcpStream);
+pub struct ActingPage<S = TcpStream>(S);
 
 impl ActingPage {
     fn open(url: &str) -> Self {
-        let mut stream = connect(url);
+        Self::on(connect(url), url)
+    }
+
+    /// One that was let in and is the tracker of the scene's stream.
+    fn paired(url: &str, code: &str) -> Self {
+        let mut page = Self::open(url);
+        page.pair(code);
+        page
+    }
+}
+
+impl<S: Read + Write> ActingPage<S> {
+    /// A page of that server, on a connection to it.
+    pub fn on(mut stream: S, url: &str) -> Self {
         let host = url.split("//").nth(1).expect("an address");
         let request = request(host, Some(url));
         stream.write_all(request.as_bytes()).expect("write");
@@ -69,13 +86,11 @@ impl ActingPage {
         Self(stream)
     }
 
-    /// One that was let in and is the tracker of the scene's stream.
-    fn paired(url: &str, code: &str) -> Self {
-        let mut page = Self::open(url);
-        page.say(&json!({"say": "pair", "code": code}));
-        page.hear("paired");
-        page.say(&json!({"say": "act", "stream": 0}));
-        page
+    /// Is let in, and is the tracker of the scene's stream.
+    pub fn pair(&mut self, code: &str) {
+        self.say(&json!({"say": "pair", "code": code}));
+        self.hear("paired");
+        self.say(&json!({"say": "act", "stream": 0}));
     }
 
     /// A frame, masked with zeros; whether it was taken.
@@ -88,12 +103,12 @@ impl ActingPage {
         self.0.write_all(&frame).is_ok()
     }
 
-    fn say(&mut self, what: &Value) {
+    pub fn say(&mut self, what: &Value) {
         self.frame(1, what.to_string().as_bytes());
     }
 
     /// A reading of the scene's stream.
-    fn reading(&mut self, sequence: u64, device_ns: i64, numbers: [f64; 7]) -> bool {
+    pub fn reading(&mut self, sequence: u64, device_ns: i64, numbers: [f64; 7]) -> bool {
         self.reading_of(0, sequence, device_ns, numbers)
     }
 
@@ -154,7 +169,7 @@ impl ActingPage {
         }
     }
 
-    fn hear(&mut self, what: &str) -> Value {
+    pub fn hear(&mut self, what: &str) -> Value {
         self.heard(what).unwrap_or_else(|| panic!("no {what}"))
     }
 }
@@ -186,7 +201,7 @@ fn performance() -> Vec<(i64, Option<[f64; 7]>)> {
 #[test]
 fn a_page_acts_a_take_and_is_given_its_verdict_and_its_motion() {
     let house = House::new();
-    let (mut daemon, url) = begin(&house);
+    let (mut daemon, url) = begin(&house, &[]);
     assert!(get(&url, "/act").1.starts_with("<!doctype html>"));
     let scene = exchange(
         &url,
@@ -274,7 +289,7 @@ fn a_page_acts_a_take_and_is_given_its_verdict_and_its_motion() {
 #[test]
 fn hostile_pages_change_nothing_of_a_take_that_runs() {
     let house = House::new();
-    let (mut daemon, url) = begin(&house);
+    let (mut daemon, url) = begin(&house, &[]);
     let host = url.split("//").nth(1).expect("an address").to_owned();
     // One that was let in, and one that will be half-open: it neither reads nor answers any more.
     let mut page = ActingPage::open(&url);
@@ -344,7 +359,7 @@ fn hostile_pages_change_nothing_of_a_take_that_runs() {
 #[test]
 fn a_flood_of_a_page_that_was_let_in_ends_with_its_connection() {
     let house = House::new();
-    let (mut daemon, url) = begin(&house);
+    let (mut daemon, url) = begin(&house, &[]);
     let mut page = ActingPage::paired(&url, &code(&daemon));
     page.say(&json!({"say": "start"}));
     daemon.wait_for("started");
@@ -374,7 +389,7 @@ fn daemon_code(closed: &Value) -> i32 {
 #[test]
 fn a_half_open_page_is_sent_away_and_its_stream_is_free() {
     let house = House::new();
-    let (mut daemon, url) = begin(&house);
+    let (mut daemon, url) = begin(&house, &[]);
     let code = code(&daemon);
     let mut page = ActingPage::paired(&url, &code);
     page.say(&json!({"say": "start"}));

@@ -35,6 +35,9 @@ impl Pages {
                     .to_owned(),
             ));
         }
+        if self.is_acting_alone && !["/act", "/motion/"].iter().any(|of| path.starts_with(of)) {
+            return Some(refusal("404 Not Found"));
+        }
         Some(match path {
             "/take" if request.method == Some("POST") => return self.take(request.headers, body),
             "/" | "/state" | "/take" | "/health" | "/metrics" if !is_get || path == "/take" => {
