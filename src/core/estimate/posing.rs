@@ -385,15 +385,14 @@ fn collisions(
             event,
             sides,
             held: hold(event),
+            acting,
             is_plain,
             contacts: scene
                 .contact_set(event)
                 .expect("a collision that the scene's makers checked")
                 .expect("contacts that stages before found"),
             touches_by_goal: collision.partner == Partner::World
-                && scene.fixes_pose(event, collision.link)
-                && !acting.iter().any(|of| of.influence.is_of_contact()),
-            acting,
+                && scene.fixes_pose(event, collision.link),
             law: scene.impact_law(collision),
             restitution_parameter: parameter(Quantity::Restitution { law }),
             friction_parameter: parameter(Quantity::Friction { law }),

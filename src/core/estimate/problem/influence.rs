@@ -55,14 +55,6 @@ impl Influence {
                 | Influence::SupportFriction
         )
     }
-
-    /// Whether it changes what is in contact in a given pose.
-    pub fn is_of_contact(self) -> bool {
-        matches!(
-            self,
-            Influence::Centre(_) | Influence::SurfaceHeight | Influence::SurfaceTilt(_)
-        )
-    }
 }
 
 /// What a parameter belongs to.
