@@ -10,7 +10,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
-use sha2::{Digest, Sha256};
 use tokio_rustls::TlsAcceptor;
 use tokio_rustls::rustls::ServerConfig;
 use tokio_rustls::rustls::crypto::ring::default_provider;
@@ -18,6 +17,7 @@ use tokio_rustls::rustls::pki_types::pem::PemObject;
 use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer};
 
 use crate::ingest::read_text;
+use crate::service::provenance::sha256;
 
 /// The file of certificate and key.
 const NAME: &str = "acting.pem";
@@ -56,8 +56,9 @@ impl Certificate {
         let wrong = |error| anyhow!("{error}");
         let certificate = CertificateDer::from_pem_slice(pem).map_err(wrong)?;
         let key = PrivateKeyDer::from_pem_slice(pem).map_err(wrong)?;
-        let bytes = Sha256::digest(&certificate);
-        let bytes: Vec<String> = bytes.iter().map(|byte| format!("{byte:02X}")).collect();
+        let digest = sha256(&certificate).to_ascii_uppercase();
+        let bytes = digest.as_bytes().chunks(2).map(String::from_utf8_lossy);
+        let fingerprint = bytes.collect::<Vec<_>>().join(":");
         let mut config = ServerConfig::builder_with_provider(Arc::new(default_provider()))
             .with_safe_default_protocol_versions()?
             .with_no_client_auth()
@@ -65,7 +66,7 @@ impl Certificate {
         config.alpn_protocols = vec![b"http/1.1".to_vec()];
         Ok(Self {
             acceptor: TlsAcceptor::from(Arc::new(config)),
-            fingerprint: bytes.join(":"),
+            fingerprint,
         })
     }
 }

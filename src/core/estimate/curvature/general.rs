@@ -26,7 +26,7 @@ pub fn add(nudged: &mut Nudged, matrix: &mut Envelope) {
     for (number, (arc, view)) in problem.views().enumerate() {
         let pulls = woven.as_ref().map(|pulls| pulls[number].as_slice());
         if !view.is_plain || pulls.is_some() {
-            let _ = General::new(context, (arc, view), pulls).add(nudged, matrix);
+            let _ = General::new(context, arc, view, pulls).add(nudged, matrix);
         }
     }
     for pull in problem.pulls.iter().chain(&problem.regulariser) {
@@ -58,7 +58,8 @@ struct General<'a> {
 impl<'a> General<'a> {
     fn new(
         context: &'a SolveContext<'a>,
-        (arc, view): (usize, &'a View),
+        arc: usize,
+        view: &'a View,
         pulls: Option<&'a [[f64; 6]]>,
     ) -> Self {
         let (problem, layout) = (context.problem, context.layout);
