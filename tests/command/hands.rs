@@ -185,7 +185,8 @@ fn a_hand_catches_what_flies() {
         let said = replayed(folder.path(), &scene, &csv, &marks);
         assert_eq!(said["verdict"], "physical", "{said}");
         let caught = event(&said, "caught");
-        assert_within(caught, "time_s", "time_sd_s", caught_s, 2e-3, "caught");
+        // A slow tracker does not say to which side a sample belongs.
+        assert_within(caught, "time_s", "time_sd_s", caught_s, 6e-3, "caught");
     }
 }
 

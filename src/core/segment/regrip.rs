@@ -143,12 +143,10 @@ fn cut(scene: &Scene, sketch: &Sketch, hand: &InHand, events: [usize; 3]) -> Opt
         .map(|cut| (time_s(cut), unlikely(cut)))
         .collect();
     let (best_s, fewest) = *each.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    // With one sample more or less on a side the estimate's time stays where it is.
-    let beyond_s = |time_s: f64| ((time_s - best_s).abs() - interval_s).max(0.0);
     let weights = each.iter().map(|(_, unlikely)| (fewest - unlikely).exp());
     let square_s2 = each.iter().zip(weights.clone());
     let square_s2: f64 = square_s2
-        .map(|((time_s, _), weight)| weight * beyond_s(*time_s).powi(2))
+        .map(|((time_s, _), weight)| weight * (time_s - best_s).powi(2))
         .sum();
     Some(GripCut {
         time_s: best_s,
