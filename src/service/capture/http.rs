@@ -114,7 +114,7 @@ enum Answer {
 
 impl Pages {
     /// Answers a peer, to the end of its connection.
-    async fn meet<S: AsyncRead + AsyncWrite + Unpin>(
+    pub(super) async fn meet<S: AsyncRead + AsyncWrite + Unpin>(
         &self,
         stream: S,
         waiting: Waiting,
@@ -128,7 +128,7 @@ impl Pages {
     }
 
     /// Takes one request and sends the reply; what is left of the connection where a WebSocket begins on it.
-    pub(super) async fn answer<S: AsyncRead + AsyncWrite + Unpin>(
+    async fn answer<S: AsyncRead + AsyncWrite + Unpin>(
         &self,
         mut stream: S,
         waiting: Waiting,
@@ -156,7 +156,7 @@ impl Pages {
     }
 
     /// Talks with the acting page to the end of its connection.
-    pub(super) async fn act<S: AsyncRead + AsyncWrite + Unpin>(&self, upgraded: Upgraded<S>) {
+    async fn act<S: AsyncRead + AsyncWrite + Unpin>(&self, upgraded: Upgraded<S>) {
         if let Some(acting) = &self.acting {
             acting::serve(acting, upgraded).await;
         }

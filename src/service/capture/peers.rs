@@ -173,12 +173,7 @@ impl Ports {
     pub fn acts(&self, first: &[u8], then: &[u8]) -> Met {
         let (ours, theirs) = tokio::io::duplex(WAY_BYTES);
         let waiting = self.gate.alone();
-        let serve = async {
-            // A peer that has gone is not answered.
-            if let Ok(Some(upgraded)) = self.pages.answer(ours, waiting, &self.answered).await {
-                self.pages.act(upgraded).await;
-            }
-        };
+        let serve = self.pages.meet(ours, waiting, &self.answered);
         self.meets(first, then, serve, theirs)
     }
 

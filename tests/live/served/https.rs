@@ -122,8 +122,9 @@ fn its_certificate_is_the_same_the_next_day_and_its_code_is_not() {
         daemon.end();
         (fingerprint, code)
     });
-    let [(first, _), (second, _)] = &said;
+    let [(first, code), (second, next_code)] = &said;
     assert_eq!(first, second);
+    assert_ne!(code, next_code);
     let bytes = first.as_str().expect("a text").split(':');
     assert_eq!(bytes.count(), 32);
 }

@@ -26,6 +26,14 @@ const SPREAD: f64 = 0.04;
 /// Moment of the cube [kg m²].
 const MOMENT_KG_M2: f64 = 8.1e-4;
 
+/// All that is true of a ball.
+const NAMES: [&str; 4] = [
+    "ball.restitution",
+    "ball.friction",
+    "gravity",
+    "ball.tracker",
+];
+
 /// A row of answers.
 #[derive(Clone, Copy)]
 struct Kind {
@@ -81,23 +89,15 @@ fn answer(kind: Kind, seed: u64) -> Result<FitAnswer> {
     truth.restitution.sd = kind.spread;
     let folder = TempDir::new()?;
     let inputs = truth.write(kind.takes, seed ^ 0xf17, folder.path())?;
-    let list = |names: &str| names.split(',').map(str::to_owned).collect::<Vec<String>>();
-    let (shared, drawn) = match kind.is_drawn {
-        true => (
-            "ball.friction,gravity,ball.tracker",
-            list("ball.restitution"),
-        ),
-        false => (
-            "ball.restitution,ball.friction,gravity,ball.tracker",
-            Vec::new(),
-        ),
-    };
+    // The first of them is drawn where it differs.
+    let names = NAMES.map(str::to_owned);
+    let (drawn, shared) = names.split_at(usize::from(kind.is_drawn));
     let begun = Instant::now();
     let fitted = fit(&FitJob {
         inputs: inputs.into_iter().map(FitInput::File).collect(),
         scene: None,
-        shared: list(shared),
-        drawn,
+        shared: shared.to_vec(),
+        drawn: drawn.to_vec(),
         hold_out: None,
         output: None,
         page: None,
@@ -170,14 +170,6 @@ pub fn run(options: &Options, record: &mut Record) -> Result<()> {
     workers(options, record)?;
     tosses(options, record)
 }
-
-/// All that is true of a ball.
-const NAMES: [&str; 4] = [
-    "ball.restitution",
-    "ball.friction",
-    "gravity",
-    "ball.tracker",
-];
 
 /// Takes of the answer whose wall time is measured.
 const TIMED_TAKES: usize = 200;
