@@ -102,6 +102,8 @@ pub struct Finish<'a, P: Program> {
     pub damping: f64,
     /// Work done so far.
     pub work: Work,
+    /// The Lagrangian's Hessian at the point, once it was asked for.
+    pub exact: Option<Envelope>,
 }
 
 impl<P: Program> Finish<'_, P> {
@@ -225,12 +227,16 @@ impl<P: Program> Finish<'_, P> {
         }
     }
 
-    /// Hessian of the Lagrangian.
-    fn exact(&self) -> Envelope {
+    /// Hessian of the Lagrangian, computed once for each place.
+    fn exact(&mut self) -> Envelope {
+        if let Some(exact) = &self.exact {
+            return exact.clone();
+        }
         let mut exact = self.system.hessian.clone();
         let at = (&self.point, &self.system);
         self.program
             .add_curvature(at, &self.multipliers, &mut exact);
+        self.exact = Some(exact.clone());
         exact
     }
 

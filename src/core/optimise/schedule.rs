@@ -291,6 +291,7 @@ fn conclude<P: Program>(
         multipliers,
         work: descent.work,
         damping: 0.0,
+        exact: None,
     };
     let mut stopped = false;
     let mut tolerances = schedule.tolerances;

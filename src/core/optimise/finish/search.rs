@@ -75,6 +75,7 @@ impl<P: Program> Finish<'_, P> {
 
     /// Exchanges the current place for another.
     pub(super) fn go(&mut self, to: &mut FinishPlace<P::Point>) {
+        self.exact = None;
         std::mem::swap(&mut self.point, &mut to.point);
         std::mem::swap(&mut self.system, &mut to.system);
         std::mem::swap(&mut self.multipliers, &mut to.multipliers);
