@@ -185,7 +185,7 @@ pub struct Verification {
     /// Contacts that pull.
     pub pulls: Vec<Pull>,
     /// What surfaces would have to do to what is on them, and cannot; and what does not touch where it hits.
-    pub carried: Vec<Doubt>,
+    pub of_contacts: Vec<Doubt>,
     /// The forward simulation.
     pub single_shot: SingleShot,
     /// Energy and momentum.
@@ -217,7 +217,7 @@ impl Verification {
         self.touches.extend(other.touches);
         self.touches.sort_by_key(|touch| touch.event);
         self.pulls.extend(other.pulls);
-        self.carried.extend(other.carried);
+        self.of_contacts.extend(other.of_contacts);
         let shot = &mut self.single_shot;
         shot.deviations.extend(other.single_shot.deviations);
         shot.restarts.extend(other.single_shot.restarts);
@@ -238,7 +238,11 @@ impl Verification {
         let deepest = self.deepest.iter();
         let deepest = deepest.map(|deepest| deepest.doubt(self.tolerance_m));
         let pulls = self.pulls.iter().filter_map(Pull::doubt);
-        let carried = self.carried.iter().cloned();
-        deepest.chain(wrong).chain(pulls).chain(carried).collect()
+        let of_contacts = self.of_contacts.iter().cloned();
+        deepest
+            .chain(wrong)
+            .chain(pulls)
+            .chain(of_contacts)
+            .collect()
     }
 }

@@ -20,8 +20,7 @@ pub(super) fn doubts(world: &World) -> Vec<Doubt> {
 fn gap_m(world: &World, event: &EventEstimate) -> Option<f64> {
     let law = CheckedLaw::new(world.scene, world.estimate, event.event)?;
     let frame = |link: LinkIndex| {
-        let link = &world.links[link];
-        let pose = link.state(link.ending_at(event.time_s)?, event.time_s);
+        let pose = world.state_before(link, event)?;
         Some(Frame {
             position_m: pose.position_m,
             orientation: pose.orientation,

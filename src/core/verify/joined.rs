@@ -130,7 +130,7 @@ pub fn check_until(
             deepest,
             touches,
             pulls: off.pulls,
-            carried: Vec::new(),
+            of_contacts: Vec::new(),
             single_shot: SingleShot {
                 deviations: off.ends,
                 ..SingleShot::default()

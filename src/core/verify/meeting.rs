@@ -6,7 +6,8 @@ use typed_index_collections::TiVec;
 use super::expected;
 use super::moving::MovingLink;
 use crate::math::Pose;
-use crate::motion::{Against, ArcEstimate, Estimate, LinkIndex, Scene};
+use crate::motion::{Against, ArcEstimate, Estimate, EventEstimate, LinkIndex, Scene};
+use crate::physics::State;
 use crate::physics::contact::Feature;
 use crate::physics::shape::{Closest, Solid};
 
@@ -73,6 +74,12 @@ impl<'a> World<'a> {
                 .collect(),
             obstacles: obstacles.collect(),
         }
+    }
+
+    /// The state of a link just before an event; `None` where it has none.
+    pub(super) fn state_before(&self, link: LinkIndex, event: &EventEstimate) -> Option<State> {
+        let link = &self.links[link];
+        Some(link.state(link.ending_at(event.time_s)?, event.time_s))
     }
 
     /// Every link with every plane, every obstacle and every other link, arc by arc, each pair

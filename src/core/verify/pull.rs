@@ -6,7 +6,7 @@
 use super::carried;
 use super::law::CheckedLaw;
 use super::meeting::World;
-use crate::motion::{LinkIndex, Pull};
+use crate::motion::Pull;
 
 /// The pulls of a motion of bodies by themselves, of every collision at several contacts that has one.
 pub(super) fn pulls(world: &World) -> Vec<Pull> {
@@ -17,15 +17,11 @@ pub(super) fn pulls(world: &World) -> Vec<Pull> {
         if count == 1 {
             return None;
         }
-        let before = |link: LinkIndex| {
-            let link = &world.links[link];
-            Some(link.state(link.ending_at(event.time_s)?, event.time_s))
-        };
         let other = match law.other {
-            Some(other) => Some(before(other)?),
+            Some(other) => Some(world.state_before(other, event)?),
             None => None,
         };
-        let state = before(law.link)?;
+        let state = world.state_before(law.link, event)?;
         let impact = law.impact(&state, other.as_ref())?;
         let link = &world.links[law.link];
         if law.other.is_none() && carried::presses_within(world, link, &state, &law, &impact) {

@@ -32,7 +32,7 @@ pub fn verify_until(
         deepest,
         touches,
         pulls: pull::pulls(&world),
-        carried: carried::doubts(&world)
+        of_contacts: carried::doubts(&world)
             .into_iter()
             .chain(tumble::doubts(&world))
             .chain(apart::doubts(&world))
