@@ -42,9 +42,8 @@ pub use self::preview::{Preview, Previewed};
 use self::rest::Sought;
 pub use self::search::SearchWork;
 pub use self::seen::{MarkProposal, SeenTake};
-pub use self::shared::NoShare;
+pub use self::shared::{NoShare, SharedTake};
 use self::stages::doubts;
-pub use crate::estimate::SharedMotion;
 use crate::estimate::{LastState, Solved};
 use crate::motion::{
     Counted, Diagnosis, Doubt, End, EventKind, Fits, Mark, Observer, Phase, Scene, SeenPhase,
@@ -454,7 +453,7 @@ impl Pipeline {
         &self,
         parameters: &[usize],
         observer: &mut dyn Observer,
-    ) -> Result<SharedMotion, NoShare> {
+    ) -> Result<SharedTake, NoShare> {
         let free = self.shared_held(parameters, &[], observer);
         match free {
             Err(NoShare::NotPhysical(_) | NoShare::NoMotion(_)) => {
@@ -472,9 +471,9 @@ impl Pipeline {
         parameters: &[usize],
         held: &[usize],
         observer: &mut dyn Observer,
-    ) -> Result<SharedMotion, NoShare> {
+    ) -> Result<SharedTake, NoShare> {
         let scene = shared::held(&self.scene, held);
-        shared::shared(&scene, &self.events, parameters, observer)
+        SharedTake::new(&scene, &self.events, parameters, observer)
     }
 
     /// Number of marks: it determines how often a repeated collision happens.

@@ -21,7 +21,6 @@ use super::output::refuse_present;
 use super::working::Working;
 use crate::jointly::{JointParameter, JointSearch, SearchTurn};
 use crate::motion::TakeShare;
-use crate::pipeline::SharedMotion;
 
 pub use self::apart::{JoinedBlocks, join, reduce};
 pub use self::block::{FitQuestion, TakeBlock};
@@ -40,8 +39,8 @@ const AGAIN: usize = 4;
 /// Why a fit that was told to end has no answer.
 const STOPPED: &str = "it was told to end before it had an answer";
 
-/// Takes fit better elsewhere by at least so much of half a sum of squares.
-const TELLING: f64 = 2.0;
+/// How many takes are asked from where to begin.
+const SOME: usize = 32;
 
 /// Finds what takes share. The answer is the same for any order of the files and any number of threads.
 ///
@@ -138,7 +137,7 @@ fn solved(
     ensure!(!stop.is_set(), STOPPED);
     let own = begun_lesser(&parameters, own, members);
     let mut joint = JointSearch::new(parameters, &own);
-    moved_off(&mut joint, members);
+    joint.look(&asked(&joint, members));
     for round in 0..=AGAIN {
         let shares = searched(&mut joint, members, stop)?;
         if round == AGAIN || !tried_again(&mut joint, &shares, members) {
@@ -149,8 +148,8 @@ fn solved(
 }
 
 /// Finds motions anew from lesser values of a parameter of which most takes by themselves tell nothing, as of friction where
-/// they stick: what is wrong of it is then blamed on others. Those of the value from which takes come nearest to their samples
-/// are kept.
+/// they stick: what is wrong of it is then blamed on others. That is done of takes that are farther from their samples than
+/// others, and of some; of all, where most of these come nearer. Each keeps the motion that is nearest.
 fn begun_lesser(
     parameters: &[JointParameter],
     mut own: Vec<Option<TakeShare>>,
@@ -164,31 +163,70 @@ fn begun_lesser(
         if 2 * untold.count() <= own.iter().flatten().count() {
             continue;
         }
-        let mut best = NEARER;
-        let mut begun = Vec::new();
-        for value in parameter.lesser() {
-            let found: Vec<Option<(SharedMotion, TakeShare)>> = members
-                .par_iter_mut()
-                .map(|member| member.fitting()?.begun(at, value))
-                .collect();
-            let gains = own.iter().zip(&found).filter_map(|(own, found)| {
-                let (_, share) = found.as_ref()?;
-                Some(own.as_ref().map_or(0.0, far) - far(share))
-            });
-            let mut gains: Vec<f64> = gains.collect();
-            gains.sort_by(f64::total_cmp);
-            let gain = gains.get(gains.len() / 2).copied().unwrap_or(0.0);
-            if gain > best && 2 * gains.len() > own.iter().flatten().count() {
-                (best, begun) = (gain, found);
-            }
-        }
-        for ((member, own), found) in members.iter_mut().zip(&mut own).zip(begun) {
-            if let (Some(asked), Some((motion, share))) = (member.fitting(), found) {
-                (asked.motion, *own) = (Ok(motion), Some(share));
-            }
+        let (usual, some) = (UsualResidual::of(&own), evenly(&own));
+        let is_far = own
+            .iter()
+            .map(|of| of.as_ref().is_none_or(|of| usual.is_far(of)));
+        let asked: Vec<bool> = is_far.zip(&some).map(|(far, some)| far || *some).collect();
+        let as_found: Vec<Option<f64>> = own.iter().map(|of| of.as_ref().map(far)).collect();
+        let gains = parameter.lesser().into_iter().map(|value| {
+            let there = begun(members, &mut own, &asked, (at, value));
+            let gains = as_found.iter().zip(there).zip(&some);
+            let gains = gains.filter_map(|((here, there), some)| some.then_some((*here)? - there?));
+            (median(gains.collect()), value)
+        });
+        let gains: Vec<(f64, f64)> = gains.collect();
+        let best = gains.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, value)) = best.filter(|(gain, _)| *gain > NEARER) {
+            let others: Vec<bool> = asked.iter().map(|asked| !asked).collect();
+            begun(members, &mut own, &others, (at, value));
         }
     }
     own
+}
+
+/// Up to [`SOME`] of the takes that say something, evenly spread.
+fn evenly(own: &[Option<TakeShare>]) -> Vec<bool> {
+    let count = own.iter().flatten().count();
+    let mut number = 0;
+    let each = own.iter().map(|share| {
+        if share.is_none() {
+            return false;
+        }
+        number += 1;
+        let upto = |number: usize| number * SOME.min(count) / count;
+        upto(number) > upto(number - 1)
+    });
+    each.collect()
+}
+
+/// Finds motions of takes that are asked from another value of one of the parameters on, and keeps those that are nearer; how far
+/// each is.
+fn begun(
+    members: &mut [Member],
+    own: &mut [Option<TakeShare>],
+    asked: &[bool],
+    (at, value): (usize, f64),
+) -> Vec<Option<f64>> {
+    members
+        .par_iter_mut()
+        .zip(own)
+        .zip(asked)
+        .map(|((member, own), is_asked)| {
+            let asked = member.fitting().filter(|_| *is_asked)?;
+            let (motion, share) = asked.begun(at, value)?;
+            let there = far(&share);
+            if own.as_ref().is_none_or(|own| there < far(own) - NEARER) {
+                (asked.motion, *own) = (Ok(motion), Some(share));
+            }
+            Some(there)
+        })
+        .collect()
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// What each take says where it is asked.
@@ -201,29 +239,6 @@ fn asked(joint: &JointSearch, members: &mut [Member]) -> Vec<Option<TakeShare>> 
             false => None,
         })
         .collect()
-}
-
-/// Begins elsewhere where takes tell nothing of a parameter from where it begins, as of friction where they stick, and more
-/// elsewhere.
-fn moved_off(joint: &mut JointSearch, members: &mut [Member]) {
-    let shares = asked(joint, members);
-    joint.look(&shares);
-    for parameter in joint.untold() {
-        let tried = joint.elsewhere(parameter).into_iter().map(|elsewhere| {
-            let shares = asked(&elsewhere, members);
-            (elsewhere, shares)
-        });
-        let tried: Vec<(JointSearch, Vec<Option<TakeShare>>)> = tried.collect();
-        let better = tried.into_iter().filter_map(|(elsewhere, there)| {
-            let gain = JointSearch::gain(&shares, &there)?;
-            (gain > TELLING).then_some((gain, elsewhere))
-        });
-        if let Some((_, elsewhere)) = better.max_by(|a, b| a.0.total_cmp(&b.0)) {
-            *joint = elsewhere;
-            let shares = asked(joint, members);
-            joint.look(&shares);
-        }
-    }
 }
 
 fn searched(
@@ -257,12 +272,14 @@ fn tried_again(
         .enumerate()
         .map(|(take, (member, share))| {
             let is_far = share.as_ref().is_none_or(|share| usual.is_far(share));
+            if !is_far {
+                return None;
+            }
             let values = match share {
                 Some(_) => asked.asked(take),
                 None => asked.values(),
             };
-            let asked = member.fitting().filter(|_| is_far);
-            asked.and_then(|of| of.again(&values))
+            member.fitting()?.again(&values)
         })
         .collect();
     let is_any = found.iter().any(Option::is_some);
@@ -280,7 +297,7 @@ fn misfits(joint: &JointSearch, members: &mut [Member]) -> Vec<bool> {
         .par_iter_mut()
         .enumerate()
         .map(|(take, member)| {
-            let fitted = member.asked.as_ref().ok();
+            let fitted = member.asked.as_mut().ok();
             let fitted = fitted.filter(|_| joint.is_taking_part(take));
             fitted.is_some_and(|of| of.misfits(&joint.asked(take)))
         })

@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 use enact::config::{scene_from_toml, share};
 use enact::jointly::{JointParameter, JointSearch, SearchTurn};
 use enact::motion::{Scene, TakeEvent, TakeShare};
-use enact::pipeline::{Pipeline, SharedMotion};
+use enact::pipeline::{Pipeline, SharedTake};
 use enact_tools::fits::{BallTruth, Over};
 use nalgebra::DVector;
 use rand::SeedableRng;
@@ -29,7 +29,7 @@ fn truth(seed: u64) -> BallTruth {
 }
 
 /// Motions of takes, which begin at the truth.
-fn motions(truth: &BallTruth, count: usize, seed: u64) -> (Vec<JointParameter>, Vec<SharedMotion>) {
+fn motions(truth: &BallTruth, count: usize, seed: u64) -> (Vec<JointParameter>, Vec<SharedTake>) {
     let names = SHARED.map(str::to_owned);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (mut scene, takes) = truth.takes(count, &mut random);
@@ -50,13 +50,13 @@ fn motions(truth: &BallTruth, count: usize, seed: u64) -> (Vec<JointParameter>, 
     (asked.collect(), motions)
 }
 
-fn asked(joint: &JointSearch, motions: &mut [SharedMotion]) -> Vec<Option<TakeShare>> {
+fn asked(joint: &JointSearch, motions: &mut [SharedTake]) -> Vec<Option<TakeShare>> {
     let each = motions.iter_mut().enumerate();
     each.map(|(at, motion)| motion.at(&joint.asked(at), &mut ()))
         .collect()
 }
 
-fn solved(parameters: Vec<JointParameter>, motions: &mut [SharedMotion]) -> JointSearch {
+fn solved(parameters: Vec<JointParameter>, motions: &mut [SharedTake]) -> JointSearch {
     let own = motions
         .iter_mut()
         .map(|motion| motion.at(&motion.values(), &mut ()));
@@ -72,7 +72,7 @@ fn solved(parameters: Vec<JointParameter>, motions: &mut [SharedMotion]) -> Join
     }
 }
 
-fn cost(motions: &[SharedMotion], values: &DVector<f64>) -> f64 {
+fn cost(motions: &[SharedTake], values: &DVector<f64>) -> f64 {
     let costs = motions.iter().map(|motion| {
         let share = motion.clone().at(values, &mut ());
         share.expect("a motion near by").cost
@@ -186,7 +186,7 @@ fn ten_takes_have_the_optimum_of_ten_bodies_in_one_problem() {
         let pipeline = Pipeline::of(alone.clone(), events);
         pipeline.shared(&parameters, &mut ()).expect("a motion")
     });
-    let mut motions: Vec<SharedMotion> = motions.collect();
+    let mut motions: Vec<SharedTake> = motions.collect();
     let free = alone.parameters.iter();
     let joint = solved(
         free.map(|of| JointParameter::new(of, false)).collect(),
@@ -204,7 +204,7 @@ fn ten_takes_have_the_optimum_of_ten_bodies_in_one_problem() {
 }
 
 /// The program in a folder, with so many threads.
-fn fit(folder: &Path, threads: usize, arguments: &[String]) -> Output {
+pub(crate) fn fit(folder: &Path, threads: usize, arguments: &[String]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_enact"));
     command.arg("fit").args(arguments).current_dir(folder);
     let threads = threads.to_string();
@@ -214,7 +214,7 @@ fn fit(folder: &Path, threads: usize, arguments: &[String]) -> Output {
     command.output().expect("it runs")
 }
 
-fn words(files: &[PathBuf], more: &[&str]) -> Vec<String> {
+pub(crate) fn words(files: &[PathBuf], more: &[&str]) -> Vec<String> {
     let files = files.iter().map(|file| file.display().to_string());
     files
         .chain(more.iter().map(|word| (*word).to_owned()))
@@ -222,7 +222,7 @@ fn words(files: &[PathBuf], more: &[&str]) -> Vec<String> {
 }
 
 /// The lines of a schema.
-fn lines(output: &Output, schema: &str) -> Vec<Value> {
+pub(crate) fn lines(output: &Output, schema: &str) -> Vec<Value> {
     let said = String::from_utf8_lossy(&output.stdout);
     let lines = said
         .lines()

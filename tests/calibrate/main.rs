@@ -2,5 +2,6 @@
 
 mod command;
 mod fit;
+mod fit_joined;
 mod intervals;
 mod performed;

@@ -10,8 +10,10 @@ use std::path::{Path, PathBuf};
 use enact::config::scene_from_toml;
 use enact::math::Pose;
 use enact::motion::{Mark, PoseSample, Scene, Stamp, TakeEvent, TrackIndex};
+use enact::write::WriteError;
 use nalgebra::{Point3, Quaternion, UnitQuaternion, Vector3};
 
+use crate::perform::recording::write_events_of;
 use crate::tosses::real_folder;
 
 /// Half the size of a box \[m\].
@@ -195,6 +197,15 @@ fn readings(path: &Path) -> Vec<Reading> {
 /// Scene and events of a flight.
 pub fn take(flight: &[Reading], reads: &Reads) -> (Scene, Vec<TakeEvent>) {
     taken(flight, (&scene_toml(flight, reads, ""), reads), None)
+}
+
+/// Writes a flight with its scene.
+///
+/// # Errors
+/// Where the file cannot be written.
+pub fn write(flight: &[Reading], reads: &Reads, path: &Path) -> Result<(), WriteError> {
+    let (scene, events) = take(flight, reads);
+    write_events_of(&scene, &scene_toml(flight, reads, ""), &events, path)
 }
 
 /// Scene and events of a toss through its first impact.

@@ -13,6 +13,7 @@
 //! - [`schedule`]: the way to the solution. [`outcome`]: the solution as an estimate.
 //! - [`adequacy`]: whether it explains the performance.
 //! - [`solve`]: the stage as the pipeline calls it; [`solve::bound`] gives lower bounds to the search over collision sequences.
+//! - [`SharedMotion`]: what a motion says of quantities that several takes share.
 //! - [`tree`]: the same of bodies joined in trees.
 
 pub mod adequacy;
@@ -24,6 +25,7 @@ mod posing;
 pub mod problem;
 mod reach;
 pub mod schedule;
+mod sharing;
 pub mod solve;
 pub mod terms;
 #[cfg(test)]
@@ -34,8 +36,9 @@ pub mod wander;
 
 pub use covariance::whitened::Whitened;
 pub use schedule::recipe::Recipe;
+pub use sharing::SharedMotion;
 pub use solve::bound::{Bound, Part};
 pub use solve::last::LastState;
-pub use solve::sharing::SharedMotion;
+pub use solve::sharing::HeldBodies;
 pub use solve::together::VariedTogether;
 pub use solve::{Deviations, Solved, cost, estimate};

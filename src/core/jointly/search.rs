@@ -173,50 +173,6 @@ impl JointSearch {
         Total::of(&self.parameters, &self.mean, parts.iter())
     }
 
-    /// The parameters that the takes, where they were asked, tell nothing of by themselves.
-    pub fn untold(&self) -> Vec<usize> {
-        let alone = self.weak.iter().filter_map(|of| match of.parts.as_slice() {
-            [(parameter, _)] => Some(*parameter),
-            _ => None,
-        });
-        alone.collect()
-    }
-
-    /// The search begun with another value of a parameter: nearer to its bounds, or farther off where it has none.
-    pub fn elsewhere(&self, parameter: usize) -> Vec<Self> {
-        let of = &self.parameters[parameter];
-        let here = self.mean[parameter];
-        let [lower, upper] = of.bounds();
-        let nearer = [0.5, 0.25, 0.125, 0.0625];
-        let towards = |bound: f64| match bound.is_finite() {
-            true => nearer.map(|share| bound + share * (here - bound)).to_vec(),
-            false => Vec::new(),
-        };
-        let mut values = [towards(lower), towards(upper)].concat();
-        if values.is_empty() {
-            values = vec![here - 1.0, here - 0.3, here + 0.3, here + 1.0];
-        }
-        let begun = values.into_iter().map(|value| {
-            let mut begun = self.clone();
-            begun.mean[parameter] = value;
-            for asked in &mut begun.asked {
-                asked[parameter] = value;
-            }
-            begun
-        });
-        begun.collect()
-    }
-
-    /// By how much the takes that say something both here and there fit better there, if most do.
-    pub fn gain(here: &[Option<TakeShare>], there: &[Option<TakeShare>]) -> Option<f64> {
-        let both = here.iter().zip(there);
-        let gains =
-            both.filter_map(|(here, there)| Some(here.as_ref()?.cost - there.as_ref()?.cost));
-        let gains: Vec<f64> = gains.collect();
-        let said = here.iter().flatten().count();
-        (2 * gains.len() > said).then(|| gains.iter().sum())
-    }
-
     /// Number of rounds so far.
     pub fn rounds(&self) -> usize {
         self.rounds

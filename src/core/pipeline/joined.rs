@@ -4,11 +4,15 @@ mod infer;
 mod rivals;
 mod tried;
 
-use self::tried::TriedField;
+use self::tried::{Tried, TriedField};
 use super::infer::NoContact;
 use super::outcome::{Outcome, PipelineError};
 use super::perform::marks;
-use crate::motion::{DropReason, Observer, Phase, SampleCounts, Scene, Sketch, TakeEvent};
+use super::search::SearchWork;
+use crate::estimate::tree::Solved;
+use crate::motion::{
+    DropReason, Estimate, Observer, Phase, SampleCounts, Scene, Sketch, TakeEvent,
+};
 use crate::segment;
 
 /// The outcome of a take; `None` of a scene in which no bodies are joined.
@@ -20,6 +24,54 @@ pub(super) fn outcome(
     if scene.joint_trees().next().is_none() {
         return Ok(None);
     }
+    let found = found(scene, events, observer)?;
+    let tried = found.tried;
+    Ok(Some(Outcome {
+        scene: tried.scene.as_estimated(&tried.estimate),
+        given: tried.scene,
+        freed: Vec::new(),
+        inferred: found.inferred,
+        search: found.search,
+        sketch: found.sketch,
+        marks_made_s: found.marks_made_s,
+        counts: found.counts,
+        estimate: tried.estimate,
+        verification: tried.verification,
+        settled: None,
+        diagnoses: Vec::new(),
+        seen: Vec::new(),
+        rest: None,
+    }))
+}
+
+/// A motion of joined bodies, and what it is of.
+pub(super) struct JoinedMotion {
+    tried: Tried,
+    sketch: Sketch,
+    counts: SampleCounts,
+    /// See [`Outcome::marks_made_s`].
+    marks_made_s: Vec<Option<f64>>,
+    /// Events whose contacts the scene leaves open.
+    inferred: Vec<usize>,
+    search: Option<SearchWork>,
+}
+
+impl JoinedMotion {
+    pub(super) fn solved(&self) -> &Solved {
+        &self.tried.solved
+    }
+
+    pub(super) fn estimate(&self) -> &Estimate {
+        &self.tried.estimate
+    }
+}
+
+/// The motion of a scene with joined bodies.
+pub(super) fn found(
+    scene: &Scene,
+    events: &[TakeEvent],
+    observer: &mut dyn Observer,
+) -> Result<JoinedMotion, PipelineError> {
     observer.phase(Phase::Clean);
     let scene = &scene.with_marks(marks(events));
     let (mut sketch, mut counts) = segment::clean::clean(scene, events)?;
@@ -42,22 +94,14 @@ pub(super) fn outcome(
         (ranked.events(), tried, Some(work))
     };
     account(scene, &sketch, &mut counts);
-    Ok(Some(Outcome {
-        scene: tried.scene.as_estimated(&tried.estimate),
-        given: tried.scene,
-        freed: Vec::new(),
+    Ok(JoinedMotion {
+        tried,
+        sketch,
+        counts,
+        marks_made_s,
         inferred,
         search,
-        sketch,
-        marks_made_s,
-        counts,
-        estimate: tried.estimate,
-        verification: tried.verification,
-        settled: None,
-        diagnoses: Vec::new(),
-        seen: Vec::new(),
-        rest: None,
-    }))
+    })
 }
 
 /// Counts the samples within the motion, and all of what is held; none of what is apart.

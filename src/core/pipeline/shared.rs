@@ -1,11 +1,14 @@
 //! A take among others: what it says of quantities that all of them share.
 
+use nalgebra::DVector;
 use thiserror::Error;
 
+use super::joined;
 use super::outcome::PipelineError;
 use super::perform::{Performed, Prepared};
-use crate::estimate::SharedMotion;
-use crate::motion::{Cone, Observer, Scene, TakeEvent, Verdict};
+use crate::estimate::tree::HeldTrees;
+use crate::estimate::{HeldBodies, SharedMotion};
+use crate::motion::{Cone, Fits, Observer, Scene, TakeEvent, TakeShare, Verdict};
 
 /// Why a take says nothing of what it shares.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -13,31 +16,106 @@ pub enum NoShare {
     /// It gives no motion.
     #[error(transparent)]
     NoMotion(#[from] PipelineError),
-    /// Bodies are joined.
+    /// Bodies are joined, and others move apart from them.
     #[error(
-        "its scene joins bodies, expected bodies by themselves: what many takes share is told of these"
+        "its scene has joined bodies and others that move apart from them, expected one or the other: what many takes share is \
+         told of what moves together"
     )]
-    Joined,
+    Apart,
     /// A motion that obeys physics was not found.
     #[error("no physical motion: {}", .0.as_str())]
     NotPhysical(Verdict),
 }
 
-/// The motion of a take in a scene, to be asked what it says of `parameters` of the scene.
-pub(super) fn shared(
-    scene: &Scene,
-    events: &[TakeEvent],
-    parameters: &[usize],
-    observer: &mut dyn Observer,
-) -> Result<SharedMotion, NoShare> {
-    if scene.joint_trees().next().is_some() {
-        return Err(NoShare::Joined);
+/// A take among others.
+#[derive(Clone)]
+pub struct SharedTake {
+    motion: MechanismMotion,
+    fits: MotionFits,
+}
+
+/// Its motion, to be asked.
+#[derive(Clone)]
+enum MechanismMotion {
+    Bodies(Box<SharedMotion<HeldBodies>>),
+    Trees(Box<SharedMotion<HeldTrees>>),
+}
+
+/// Whether the motion as it was found explains its samples.
+#[derive(Clone)]
+enum MotionFits {
+    Known(Fits),
+    /// Nobody has asked: the motion of which it is to be told.
+    Unasked(Box<Performed>),
+}
+
+impl SharedTake {
+    /// The motion of a take in a scene, to be asked what it says of `parameters` of the scene.
+    pub(super) fn new(
+        scene: &Scene,
+        events: &[TakeEvent],
+        parameters: &[usize],
+        observer: &mut dyn Observer,
+    ) -> Result<Self, NoShare> {
+        if scene.joint_trees().next().is_some() {
+            return Self::joined(scene, events, parameters, observer);
+        }
+        let performed = Prepared::new(scene, events, observer)?.performed(observer)?;
+        let solved = &performed.inferred.solved;
+        let motion = solved.sharing(parameters);
+        let motion = motion.ok_or(NoShare::NotPhysical(solved.estimate.verdict))?;
+        Ok(Self {
+            motion: MechanismMotion::Bodies(Box::new(motion)),
+            fits: MotionFits::Unasked(Box::new(performed)),
+        })
     }
-    let mut performed = Prepared::new(scene, events, observer)?.performed(observer)?;
-    performed.judge(observer);
-    let Performed { inferred, .. } = performed;
-    let found = inferred.solved.sharing(parameters);
-    found.ok_or(NoShare::NotPhysical(inferred.solved.estimate.verdict))
+
+    fn joined(
+        scene: &Scene,
+        events: &[TakeEvent],
+        parameters: &[usize],
+        observer: &mut dyn Observer,
+    ) -> Result<Self, NoShare> {
+        if scene.groups().len() > 1 {
+            return Err(NoShare::Apart);
+        }
+        let found = joined::found(scene, events, observer)?;
+        let (estimate, motion) = (found.estimate(), found.solved().sharing(parameters));
+        let motion = motion.ok_or(NoShare::NotPhysical(estimate.verdict))?;
+        Ok(Self {
+            motion: MechanismMotion::Trees(Box::new(motion)),
+            fits: MotionFits::Known(estimate.fits()),
+        })
+    }
+
+    /// The values at which it is.
+    pub fn values(&self) -> DVector<f64> {
+        match &self.motion {
+            MechanismMotion::Bodies(motion) => motion.values(),
+            MechanismMotion::Trees(motion) => motion.values(),
+        }
+    }
+
+    /// What it says at other values; `None` where it has no motion there. It stays where it was then.
+    pub fn at(&mut self, values: &DVector<f64>, observer: &mut dyn Observer) -> Option<TakeShare> {
+        match &mut self.motion {
+            MechanismMotion::Bodies(motion) => motion.at(values, observer),
+            MechanismMotion::Trees(motion) => motion.at(values, observer),
+        }
+    }
+
+    /// Whether the motion as it was found explains its samples: of bodies by themselves several times the work of finding it,
+    /// done once.
+    pub fn fits(&mut self, observer: &mut dyn Observer) -> Fits {
+        if let MotionFits::Unasked(performed) = &mut self.fits {
+            performed.judge(observer);
+            self.fits = MotionFits::Known(performed.inferred.solved.estimate.fits());
+        }
+        match self.fits {
+            MotionFits::Known(fits) => fits,
+            MotionFits::Unasked(_) => unreachable!("it was asked just now"),
+        }
+    }
 }
 
 /// The scene with parameters held at their initial values.

@@ -11,7 +11,7 @@ use crate::config::{SourceLine, scene_from_toml};
 use crate::ingest::Take;
 use crate::jointly::JointParameter;
 use crate::motion::{Fits, Quantity, Scene, Stamp, TakeEvent, TakeShare};
-use crate::pipeline::{Pipeline, SharedMotion};
+use crate::pipeline::{Pipeline, SharedTake};
 use crate::service::as_read::AsRead;
 use crate::service::finish::{lost, warnings};
 use crate::service::panics::guarded;
@@ -59,7 +59,7 @@ pub(super) struct AskedTake {
     pub(super) scene_toml: String,
     events: Vec<TakeEvent>,
     /// Its motion, or why it has none.
-    pub(super) motion: Result<SharedMotion, String>,
+    pub(super) motion: Result<SharedTake, String>,
     /// What its scene has in its places already of the values at which that is asked.
     placed: DVector<f64>,
 }
@@ -229,7 +229,7 @@ impl AskedTake {
     }
 
     /// Its motion found from another value of one of the parameters on, with what it says at its own values then.
-    pub(super) fn begun(&self, at: usize, value: f64) -> Option<(SharedMotion, TakeShare)> {
+    pub(super) fn begun(&self, at: usize, value: f64) -> Option<(SharedTake, TakeShare)> {
         let mut scene = self.scene.clone();
         scene.parameters[self.parameters[at]].initial = value;
         let pipeline = self.pipeline(&scene);
@@ -271,9 +271,9 @@ impl AskedTake {
 
     /// Whether its motion at values is said not to explain its samples. Of one that was found at other values this is judged anew,
     /// with what is shared held there.
-    pub(super) fn misfits(&self, values: &DVector<f64>) -> bool {
-        let is_said = |motion: &SharedMotion| motion.fits() == Fits::No;
-        if !self.motion.as_ref().is_ok_and(is_said) {
+    pub(super) fn misfits(&mut self, values: &DVector<f64>) -> bool {
+        let is_said = |motion: &mut SharedTake| motion.fits(&mut ()) == Fits::No;
+        if !self.motion.as_mut().is_ok_and(is_said) {
             return false;
         }
         let Some((scene, _)) = self.scene_at(values) else {
@@ -282,7 +282,7 @@ impl AskedTake {
         let (parameters, held) = (&self.parameters, &self.parameters[..self.shared]);
         let pipeline = self.pipeline(&scene);
         let found = guarded(|| Ok(pipeline.shared_held(parameters, held, &mut ())?));
-        found.map_or(true, |motion| is_said(&motion))
+        found.map_or(true, |mut motion| is_said(&mut motion))
     }
 
     /// The scene that begins at values. Trackers are put where these say, so that samples are cleaned and cut by where the body
@@ -322,12 +322,12 @@ pub(super) fn far(share: &TakeShare) -> f64 {
 
 /// What a motion says at values, of which its scene has some in their places.
 fn share(
-    motion: &mut SharedMotion,
+    found: &mut SharedTake,
     values: &DVector<f64>,
     placed: &DVector<f64>,
 ) -> Option<TakeShare> {
     let there = values - placed;
-    let share = guarded(|| Ok(motion.at(&there, &mut ()))).ok()??;
+    let share = guarded(|| Ok(found.at(&there, &mut ()))).ok()??;
     Some(TakeShare {
         values: values.clone(),
         ..share
