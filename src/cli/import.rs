@@ -28,6 +28,7 @@ pub(super) fn run(arguments: ImportArguments) -> anyhow::Result<Exit> {
             turn: arguments.rotation.as_deref().and_then(Turn::named),
             angle_unit: arguments.angle_unit,
             preset: arguments.from.as_deref().and_then(Preset::named),
+            mark_columns: arguments.mark_column,
         },
         topics: arguments.topic,
         marks: arguments.mark,

@@ -6,6 +6,7 @@
 mod aframe;
 mod iwer;
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use serde_json::Value;
@@ -17,10 +18,19 @@ pub struct CapturedSession {
     pub kind: String,
     /// A table of its poses: `time_ms`, `body`, `x` … `qw`.
     pub table: String,
-    /// When a trigger was pressed \[ms\], on the clock of the table.
-    pub presses_ms: Vec<f64>,
+    /// Buttons that were pressed, in order.
+    pub presses: Vec<CapturedPress>,
     /// What was read how, and what is left aside.
     pub notes: Vec<String>,
+}
+
+/// A button went down.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CapturedPress {
+    /// On the clock of the table.
+    pub time_ms: f64,
+    /// Which one: `trigger`, `grip` and so on, or `button 4`.
+    pub button: String,
 }
 
 /// A pose of a session.
@@ -30,6 +40,9 @@ struct CapturedPose {
     position_m: [f64; 3],
     quaternion_xyzw: [f64; 4],
 }
+
+/// The button that marks where nobody says another.
+const TRIGGER: &str = "trigger";
 
 /// The columns of the table.
 const HEAD: &str = "time_ms,body,x,y,z,qx,qy,qz,qw\n";
@@ -72,15 +85,54 @@ impl CapturedSession {
         }
     }
 
-    /// The presses in order, and a note of them.
+    /// A button goes down.
+    fn press(&mut self, time_ms: f64, button: impl Into<String>) {
+        let button = button.into();
+        self.presses.push(CapturedPress { time_ms, button });
+    }
+
+    /// With the presses in order.
     fn sort(mut self) -> Self {
-        self.presses_ms.sort_by(f64::total_cmp);
-        let count = self.presses_ms.len();
-        if count > 0 {
-            self.notes
-                .push(format!("a trigger was pressed {count} times: a mark each"));
-        }
+        self.presses
+            .sort_by(|one, other| one.time_ms.total_cmp(&other.time_ms));
         self
+    }
+
+    /// When buttons of these names went down \[ms\], by default triggers; says how often, and which others did. Fails, in
+    /// words, where none of a name did.
+    pub fn presses_of(&mut self, names: &[&str]) -> Result<Vec<f64>, String> {
+        let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+        for press in &self.presses {
+            *counts.entry(&press.button).or_default() += 1;
+        }
+        let is_wanted = |button: &str| match names {
+            [] => button == TRIGGER,
+            names => names.iter().any(|name| name.eq_ignore_ascii_case(button)),
+        };
+        let known = || counts.keys().copied().collect::<Vec<_>>().join(", ");
+        let is_known = |name: &&&str| counts.keys().any(|of| of.eq_ignore_ascii_case(name));
+        if let Some(name) = names.iter().find(|name| !is_known(name)) {
+            return Err(match counts.is_empty() {
+                true => format!("no button was pressed, {name:?} neither"),
+                false => format!(
+                    "no button {name:?} was pressed, expected one of {}",
+                    known()
+                ),
+            });
+        }
+        let times = self.presses.iter().filter(|of| is_wanted(&of.button));
+        let times = times.map(|of| of.time_ms).collect();
+        let mut notes = Vec::new();
+        for (button, count) in &counts {
+            notes.push(match is_wanted(button) {
+                true => format!("a {button} was pressed {count} times: a mark each"),
+                false => format!(
+                    "a {button} was pressed {count} times: no marks (--mark-column {button:?} makes some)"
+                ),
+            });
+        }
+        self.notes.extend(notes);
+        Ok(times)
     }
 }
 

@@ -4,10 +4,11 @@ mod kind;
 mod names;
 mod recordings;
 mod told;
+mod tracked;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, anyhow, bail, ensure};
 use serde::Serialize;
 
 use self::kind::ImportKind;
@@ -163,19 +164,32 @@ pub fn import(job: &ImportJob) -> anyhow::Result<Imported> {
 /// The poses of a captured session, y up unless it is said otherwise, with its presses.
 fn session_table(
     input: &Path,
-    session: CapturedSession,
+    mut session: CapturedSession,
     options: &TableOptions,
 ) -> anyhow::Result<PoseTable> {
     let preset = options.preset.or(Preset::named("y-up"));
+    let mut buttons: Vec<&str> = Vec::new();
+    for column in &options.mark_columns {
+        ensure!(
+            column.level.is_none(),
+            "{}: says itself when a button goes down, expected --mark-column {} without a level",
+            input.display(),
+            column.name
+        );
+        buttons.push(&column.name);
+    }
     let options = TableOptions {
         preset,
+        mark_columns: Vec::new(),
         ..options.clone()
     };
     let mut table = read_table(input, &session.table, &options)?;
+    let presses = session.presses_of(&buttons);
+    let presses_ms = presses.map_err(|why| anyhow!("{}: {why}", input.display()))?;
     table.kind = session.kind;
     table.notes.extend(session.notes);
     let stamp = |ms: f64| Stamp((1e6 * ms).round() as i64);
-    table.presses = session.presses_ms.into_iter().map(stamp).collect();
+    table.presses = presses_ms.into_iter().map(stamp).collect();
     Ok(table)
 }
 
@@ -188,6 +202,7 @@ fn one_zero(tables: &mut [(&PathBuf, PoseTable)]) {
     for (_, table) in tables {
         let samples = table.bodies.iter_mut().flat_map(|body| &mut body.samples);
         let marks = table.marks.iter_mut().map(|(_, stamp)| stamp);
+        let marks = marks.chain(&mut table.presses);
         for stamp in samples.map(|sample| &mut sample.stamp).chain(marks) {
             stamp.0 = stamp.0.saturating_sub(first.0);
         }

@@ -92,6 +92,7 @@ pub use takes::{TakeEntry, takes};
 pub use words::words;
 
 pub use crate::ingest::table::{
-    AngleUnit, PRESETS, Preset, QuaternionOrder, TURNS, TableOptions, TimeUnit, Turn, length_unit,
+    AngleUnit, MarkColumn, PRESETS, Preset, QuaternionOrder, TURNS, TableOptions, TimeUnit, Turn,
+    length_unit,
 };
 pub use crate::ingest::{ListedMark, MarkTime};

@@ -2,6 +2,7 @@
 //! data show of a wrong guess is said.
 
 mod captured;
+mod controllers;
 mod said;
 
 use std::fs;

@@ -7,7 +7,9 @@ use clap::{Args, ValueEnum};
 
 use super::estimate::{Budget, Limits};
 use super::values::{Format, rate};
-use crate::service::{AngleUnit, ListedMark, MarkTime, PRESETS, TURNS, TimeUnit, length_unit};
+use crate::service::{
+    AngleUnit, ListedMark, MarkColumn, MarkTime, PRESETS, TURNS, TimeUnit, length_unit,
+};
 
 /// Arguments of `import`.
 #[derive(Debug, Args)]
@@ -60,6 +62,10 @@ pub(in crate::cli) struct ImportArguments {
     /// Add a mark, in seconds since the first pose of the files
     #[arg(long, value_name = "TIME[:EVENT]", value_parser = listed_mark)]
     pub(in crate::cli) mark: Vec<ListedMark>,
+    /// A button that is a mark where it goes down: a column of the table (with the value above which it is down), or a
+    /// button of a captured session [default: none of tables, trigger of sessions]
+    #[arg(long, value_name = "NAME[=LEVEL]", value_parser = mark_column, conflicts_with = "mark")]
+    pub(in crate::cli) mark_column: Vec<MarkColumn>,
     /// Leave out what is before, in seconds since the first pose
     #[arg(long, value_name = "SECONDS", value_parser = since_first)]
     pub(in crate::cli) start: Option<f64>,
@@ -189,6 +195,27 @@ fn since_first(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if seconds >= 0.0 && seconds.is_finite() => Ok(seconds),
         _ => Err("expected seconds, 0 or more".into()),
+    }
+}
+
+fn mark_column(text: &str) -> Result<MarkColumn, String> {
+    let (name, level) =
+        match text.rsplit_once('=') {
+            None => (text, None),
+            Some((name, level)) => match level.trim().parse::<f64>() {
+                Ok(level) if level.is_finite() => (name, Some(level)),
+                _ => return Err(
+                    "expected the name of a column or a button, with a number after = if at all"
+                        .into(),
+                ),
+            },
+        };
+    match name.trim() {
+        "" => Err("expected the name of a column or a button".into()),
+        name => Ok(MarkColumn {
+            name: name.to_owned(),
+            level,
+        }),
     }
 }
 

@@ -4,8 +4,8 @@ use serde_json::Value;
 
 use super::{CapturedPose, CapturedSession, number};
 
-/// The number of the trigger among a controller's buttons, as A-Frame tells it of controllers of two hands.
-const TRIGGER: f64 = 1.0;
+/// A controller's buttons by their numbers, as A-Frame tells them of controllers of two hands.
+const BUTTONS: [&str; 5] = ["trackpad", "trigger", "grip", "menu", "system"];
 
 /// The session; `None` where the JSON is none.
 pub(super) fn session(value: &Value) -> Option<Result<CapturedSession, String>> {
@@ -42,9 +42,11 @@ fn read(entities: &[(&str, &Value)]) -> Result<CapturedSession, String> {
         }
         session.add(name, &read);
         let events = entity.get("events").and_then(Value::as_array);
-        let presses = events.into_iter().flatten().filter(|event| is_press(event));
-        let presses = presses.filter_map(|event| number(event, "timestamp"));
-        session.presses_ms.extend(presses);
+        for event in events.into_iter().flatten() {
+            if let (Some(time_ms), Some(button)) = (number(event, "timestamp"), pressed(event)) {
+                session.press(time_ms, button);
+            }
+        }
     }
     Ok(session.sort())
 }
@@ -61,11 +63,15 @@ fn pose_of(of: &Value) -> Option<CapturedPose> {
     })
 }
 
-/// A trigger goes down; other buttons are not marks.
-fn is_press(event: &Value) -> bool {
-    let is_named = |name: &str| event.get("name").and_then(Value::as_str) == Some(name);
-    let is_trigger = || number(event.get("detail")?, "id").map(|id| id == TRIGGER);
-    is_named("triggerdown") || is_named("buttondown") && is_trigger() == Some(true)
+/// The button that goes down: `triggerdown` says its name, `buttondown` its number.
+fn pressed(event: &Value) -> Option<String> {
+    let name = event.get("name")?.as_str()?.strip_suffix("down")?;
+    if name != "button" {
+        return Some(name.to_owned());
+    }
+    let number = number(event.get("detail")?, "id")?;
+    let known = BUTTONS.get(number as usize).filter(|_| number >= 0.0);
+    Some(known.map_or_else(|| format!("button {number}"), |name| (*name).to_owned()))
 }
 
 /// The turn `Ry·Rx·Rz` by angles in degrees about x, y and z.
@@ -100,7 +106,12 @@ mod tests {
             "{}",
             rows[0]
         );
-        assert_eq!(session.presses_ms, [11.0, 12.0]);
+        let of = |names: &[&str]| session.clone().presses_of(names);
+        assert_eq!(of(&[]), Ok(vec![11.0, 12.0]));
+        assert_eq!(of(&["grip"]), Ok(vec![13.0]));
+        assert_eq!(of(&["Grip", "trigger"]), Ok(vec![11.0, 12.0, 13.0]));
+        let why = of(&["menu"]).expect_err("none");
+        assert!(why.contains("expected one of grip, trigger"), "{why}");
         // One entity alone has no name.
         let alone = r#"{"poses":[{"position":{"x":1,"y":2,"z":3},"rotation":{"x":0,"y":0,"z":0},"timestamp":1}]}"#;
         let session = CapturedSession::of_json(alone)

@@ -11,6 +11,9 @@ use super::{CapturedPose, CapturedSession};
 const VIEWER: usize = 8;
 const POSE: usize = 7;
 
+/// The first buttons of a controller: WebXR's `xr-standard` mapping.
+const BUTTONS: [&str; 4] = ["trigger", "grip", "touchpad", "thumbstick"];
+
 /// What a source has, and what was seen of it.
 #[derive(Debug, Default)]
 struct InputSource {
@@ -18,8 +21,11 @@ struct InputSource {
     has_grip: bool,
     has_hand: bool,
     has_gamepad: bool,
+    /// How many buttons that has, of which some may be missing.
+    buttons: usize,
     poses: Vec<CapturedPose>,
-    is_pressed: bool,
+    /// Whether each of its buttons is down.
+    are_pressed: Vec<bool>,
 }
 
 /// The session; `None` where the JSON is none.
@@ -54,10 +60,12 @@ fn read(schema: &[Value], frames: &[Value]) -> Result<CapturedSession, String> {
             let known = sources.iter_mut().find(|(of, _)| Some(*of) == number);
             let (_, source) =
                 known.ok_or_else(|| format!("frames[{index}]: a source that the schema lacks"))?;
-            let is_press = source.take(time_ms, &input[1..]).ok_or_else(|| {
+            let presses = source.take(time_ms, &input[1..]).ok_or_else(|| {
                 format!("frames[{index}]: expected seven numbers of the ray of {}, and what its schema says", source.name)
             })?;
-            session.presses_ms.extend(is_press.then_some(time_ms));
+            for button in presses {
+                session.press(time_ms, button_name(button));
+            }
         }
     }
     session.add("head", &viewer);
@@ -78,13 +86,14 @@ fn source(number: u64, of: &Value) -> InputSource {
         has_grip: has("hasGrip"),
         has_hand: has("hasHand"),
         has_gamepad: has("hasGamepad"),
+        buttons: of.get("numButtons").and_then(Value::as_u64).unwrap_or(0) as usize,
         ..InputSource::default()
     }
 }
 
 impl InputSource {
-    /// Takes in what a row says of it; whether its trigger went down. `None` where it is not what its schema says.
-    fn take(&mut self, time_ms: f64, of: &[Value]) -> Option<bool> {
+    /// Takes in what a row says of it; which buttons went down. `None` where it is not what its schema says.
+    fn take(&mut self, time_ms: f64, of: &[Value]) -> Option<Vec<usize>> {
         let mut rest = of.get(POSE..)?.iter();
         let mut at = numbers::<POSE>(of)?;
         if self.has_grip {
@@ -94,17 +103,27 @@ impl InputSource {
             rest.next()?;
         }
         self.poses.push(pose(time_ms, at));
-        let mut is_pressed = false;
+        let mut presses = Vec::new();
         if self.has_gamepad {
-            // Of a button: whether it is pressed, whether it is touched, and how far it is down.
-            let trigger = rest.next()?.get(0);
-            let pressed = trigger.and_then(|button| button.get(0)?.as_f64());
-            is_pressed = pressed == Some(1.0);
+            // Of a button: whether it is pressed, whether it is touched, and how far it is down. Axes are plain numbers.
+            let gamepad = rest.next()?.as_array().map_or(&[][..], Vec::as_slice);
+            let buttons = gamepad.iter().take(self.buttons);
+            let is_down = |button: &Value| button.get(0).and_then(Value::as_f64) == Some(1.0);
+            let are_pressed: Vec<bool> = buttons.map(is_down).collect();
+            let was_down = |at: usize| self.are_pressed.get(at).copied().unwrap_or(false);
+            presses = (0..are_pressed.len())
+                .filter(|at| are_pressed[*at] && !was_down(*at))
+                .collect();
+            self.are_pressed = are_pressed;
         }
-        let is_press = is_pressed && !self.is_pressed;
-        self.is_pressed = is_pressed;
-        Some(is_press)
+        Some(presses)
     }
+}
+
+/// A button of a gamepad by its number, as WebXR maps them.
+fn button_name(number: usize) -> String {
+    let known = BUTTONS.get(number);
+    known.map_or_else(|| format!("button {number}"), |name| (*name).to_owned())
 }
 
 fn pose(time_ms: f64, [x, y, z, a, b, c, d]: [f64; POSE]) -> CapturedPose {
@@ -152,7 +171,9 @@ mod tests {
         assert!(session.table.contains("\n0,head,0,1.6,0,0,0,0,1\n"));
         assert!(session.table.contains("\n44,left,0.1,0.2,0.3,0,0,0,1\n"));
         assert_eq!(session.table.lines().count(), 11);
-        assert_eq!(session.presses_ms, [11.0, 44.0]);
+        assert_eq!(session.clone().presses_of(&[]), Ok(vec![11.0, 44.0]));
+        let none = session.clone().presses_of(&["grip"]);
+        assert!(none.expect_err("none").contains("expected one of trigger"));
         for (from, to, place) in [
             ("[11,0,", "[0,", "frames[1]"),
             (

@@ -206,6 +206,15 @@ const FILLERS: [&str; 12] = [
     "field", "header", "stamp", "world", "global", "message", "msg", "data", "value", "rigid",
     "body", "w",
 ];
+/// Last words of columns that say that a row was seen.
+const SEEN: [&str; 6] = [
+    "valid",
+    "tracked",
+    "btracked",
+    "visible",
+    "detected",
+    "confidence",
+];
 const BODIES: [&str; 24] = [
     "id",
     "uid",
@@ -285,6 +294,15 @@ pub(super) fn column(name: &str) -> Option<Column> {
     if let Some(meaning) = time(&words, unit) {
         return plain(meaning);
     }
+    // OpenVR's `bPoseIsValid`: a truth value.
+    if let [first, _, ..] = &words[..]
+        && first == "b"
+        && words
+            .last()
+            .is_some_and(|word| SEEN.contains(&word.as_str()))
+    {
+        words.remove(0);
+    }
     if words.iter().any(|word| OTHERS.contains(&word.as_str())) {
         return None;
     }
@@ -293,9 +311,7 @@ pub(super) fn column(name: &str) -> Option<Column> {
         owner: owner(&words[..words.len().saturating_sub(1)]),
     };
     match words.last()?.as_str() {
-        "valid" | "tracked" | "btracked" | "visible" | "detected" | "confidence" => {
-            return Some(of_seen(SeenKind::Tracked));
-        }
+        word if SEEN.contains(&word) => return Some(of_seen(SeenKind::Tracked)),
         "lost" | "occluded" | "missing" => return Some(of_seen(SeenKind::Lost)),
         "residual" => return Some(of_seen(SeenKind::Residual)),
         _ => {}

@@ -4,11 +4,12 @@
 //! order and with any separator. `text` parts it into cells, `formats` finds the columns of each body in the
 //! heads of programs and in rows without names, `head` in everybody else's by what `columns` knows of names.
 //! `time`, `turn` and `axes` make integer nanoseconds, quaternions and a world whose z axis is up, `missing` knows what
-//! says that nothing was seen, `order` looks at the rows before anybody sorts them. What is assumed is said by `said`,
+//! says that nothing was seen, `buttons` when buttons went down, `order` looks at the rows before anybody sorts them. What is assumed is said by `said`,
 //! in [`PoseTable::notes`], and what speaks against it in [`PoseTable::against`]. `docs/import.md` describes it for who
 //! uses it.
 
 mod axes;
+mod buttons;
 mod columns;
 mod encoding;
 mod formats;
@@ -30,7 +31,7 @@ pub use axes::{PRESETS, Preset};
 pub use encoding::{TableText, table_text};
 pub use layout::QuaternionOrder;
 pub use missing::{HeldPoses, UnseenRows, held_poses, rounded_m};
-pub use poses::{BodyPoses, PoseTable, TableOptions};
+pub use poses::{BodyPoses, MarkColumn, PoseTable, TableOptions};
 pub use read::read_table;
 pub use stamp::nanoseconds;
 pub use turn::{TURNS, Turn};

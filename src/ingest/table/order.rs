@@ -9,6 +9,29 @@ const LATE_NS: f64 = 50e6;
 /// More poses than this share of them at the time of another are no accident.
 const EQUAL_SHARE: f64 = 0.05;
 
+/// Half a day: who goes back by more has passed midnight \[ns\].
+const HALF_DAY_NS: i64 = 43_200_000_000_000;
+
+/// Days that have passed, of clocks that begin anew at midnight.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Days {
+    passed_ns: i64,
+    last_ns: Option<i64>,
+}
+
+impl Days {
+    /// The time since the first row's midnight; of a clock that does not begin anew the time itself.
+    pub(super) fn of(&mut self, ns: i64, wraps: bool) -> i64 {
+        let goes_back = |last_ns: i64| ns + self.passed_ns < last_ns - HALF_DAY_NS;
+        if wraps && self.last_ns.is_some_and(goes_back) {
+            self.passed_ns += 2 * HALF_DAY_NS;
+        }
+        let ns = ns.saturating_add(self.passed_ns);
+        self.last_ns = Some(ns);
+        ns
+    }
+}
+
 /// The time of a row, with its line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct RowTime {

@@ -7,6 +7,15 @@ use super::turn::Turn;
 use super::units::{AngleUnit, TimeUnit};
 use crate::motion::{LengthUnit, PoseSample, Stamp};
 
+/// A button that makes marks: a column of a table, or a button of a captured session.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MarkColumn {
+    /// Its name.
+    pub name: String,
+    /// The value above which it is down; by default half of its greatest.
+    pub level: Option<f64>,
+}
+
 /// What a user says of a table; what is not said is read off its head, or guessed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TableOptions {
@@ -26,6 +35,8 @@ pub struct TableOptions {
     pub turn: Option<&'static Turn>,
     /// What is usual where it comes from.
     pub preset: Option<&'static Preset>,
+    /// Buttons that are marks where they go down.
+    pub mark_columns: Vec<MarkColumn>,
 }
 
 /// What a table holds.

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::axes::{PRESETS, Preset};
+use super::buttons::presses;
 use super::columns::looks_turned;
 use super::formats;
 use super::head;
@@ -43,7 +44,7 @@ fn read(text: &str, options: &TableOptions) -> Result<PoseTable, TableFault> {
     };
     said.order(&layout);
     said.bodies(&layout.bodies);
-    said.unread(&layout, looks_turned);
+    said.unread(&layout, options, looks_turned);
     let preset = options
         .preset
         .or(layout.preset.and_then(Preset::named))
@@ -74,6 +75,7 @@ fn read(text: &str, options: &TableOptions) -> Result<PoseTable, TableFault> {
     };
     let mut lost = Vec::new();
     let bodies = bodies(&layout, rows, &reader, lines.is_open, &mut lost)?;
+    let presses = presses(&layout, &lines.head, rows, options, clock, &mut said)?;
     let marks = layout.marks.iter().filter_map(|mark| {
         let ns = clock.of_mark(mark)?;
         Some((mark.name.clone(), Stamp(ns)))
@@ -86,7 +88,7 @@ fn read(text: &str, options: &TableOptions) -> Result<PoseTable, TableFault> {
         length,
         bodies,
         marks: marks.collect(),
-        presses: Vec::new(),
+        presses,
         zero: zero.map(Stamp),
         notes: said.notes,
         against: said.against,

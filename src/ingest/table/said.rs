@@ -2,6 +2,7 @@
 //! for another.
 
 use super::axes::Preset;
+use super::buttons::{is_column, looks_pressed};
 use super::layout::{BodyColumns, Orientation, TableLayout};
 use super::poses::TableOptions;
 use super::turn::Turn;
@@ -31,11 +32,31 @@ impl Said {
 
     /// The columns that are not read; of those that look like an orientation, none may be left aside where
     /// points are taken.
-    pub(super) fn unread(&mut self, layout: &TableLayout, looks_turned: impl Fn(&str) -> bool) {
-        if layout.unread.is_empty() {
+    pub(super) fn unread(
+        &mut self,
+        layout: &TableLayout,
+        options: &TableOptions,
+        looks_turned: impl Fn(&str) -> bool,
+    ) {
+        let is_button = |name: &&String| {
+            let mut buttons = options.mark_columns.iter();
+            buttons.any(|of| is_column(name, &of.name))
+        };
+        let unread = layout.unread.iter().filter(|name| !is_button(name));
+        let unread: Vec<String> = unread.cloned().collect();
+        if unread.is_empty() {
             return;
         }
-        self.note(format!("columns not read: {}", listed(&layout.unread)));
+        let buttons = unread.iter().filter(|name| looks_pressed(name));
+        let buttons: Vec<String> = buttons.cloned().collect();
+        let as_marks = match &buttons[..] {
+            [] => String::new(),
+            [first, ..] => format!(
+                "; --mark-column makes marks of {}, such as --mark-column {first:?}",
+                listed(&buttons)
+            ),
+        };
+        self.note(format!("columns not read: {}{as_marks}", listed(&unread)));
         let are_points = layout
             .bodies
             .iter()

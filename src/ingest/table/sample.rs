@@ -9,7 +9,7 @@ use super::layout::{
     Angles, BodyColumns, Orientation, SeenColumn, TableFault, TableLayout, fault, shown,
 };
 use super::missing::{Unseen, absence, is_sentinel, stray_zeros};
-use super::order::{RowTime, order};
+use super::order::{Days, RowTime, order};
 use super::poses::{BodyPoses, TableOptions};
 use super::said::Said;
 use super::text::{Line, number};
@@ -18,8 +18,6 @@ use super::turn::{Turn, quaternion_of_matrix};
 use super::units::AngleUnit;
 use crate::motion::{Holds, PoseSample, Stamp};
 
-/// Half a day: who goes back by more has passed midnight \[ns\].
-const HALF_DAY_NS: i64 = 43_200_000_000_000;
 /// A step of an angle that is a full turn, as a share of one.
 const WRAP_SHARE: f64 = 0.85;
 /// Unwrapped angles of more radians are none that a hand or a throw turns.
@@ -53,8 +51,7 @@ enum CellReading {
 struct SampledRows {
     body: BodyPoses,
     times: Vec<RowTime>,
-    /// Days that have passed since the first row \[ns\].
-    days_ns: i64,
+    days: Days,
 }
 
 /// The samples of all bodies. Fails where a cell is no number, and where no row has a pose.
@@ -125,12 +122,7 @@ pub(super) fn bodies(
 
 impl SampledRows {
     fn add(&mut self, mut sample: PoseSample, line: usize, wraps: bool) {
-        if let Some(last) = self.times.last().filter(|_| wraps)
-            && sample.stamp.0 + self.days_ns < last.ns - HALF_DAY_NS
-        {
-            self.days_ns += 2 * HALF_DAY_NS;
-        }
-        sample.stamp.0 = sample.stamp.0.saturating_add(self.days_ns);
+        sample.stamp.0 = self.days.of(sample.stamp.0, wraps);
         self.times.push(RowTime {
             line,
             ns: sample.stamp.0,

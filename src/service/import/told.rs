@@ -4,7 +4,8 @@
 use nalgebra::Vector3;
 
 use super::names::Named;
-use crate::ingest::table::{Preset, held_poses, length_name, rounded_m};
+use super::tracked::tracked;
+use crate::ingest::table::{Preset, length_name};
 use crate::motion::{Fall, Holds, LengthUnit, PoseSample, Scene, Timing, falls};
 
 /// Gravity \[m/s²\]; what is near it by [`NEAR`] counts.
@@ -20,10 +21,6 @@ const AGAINST_SAMPLES: usize = 12;
 const SPAN_M: [f64; 2] = [0.005, 50.0];
 /// No hand and no throw has a greater median speed \[m/s\].
 const SPEED_MAX_M_S: f64 = 50.0;
-/// So many poses in a row that are the very one before are held,
-const HELD_SAMPLES: usize = 10;
-/// and more than this share of all.
-const HELD_SHARE: f64 = 0.3;
 /// Presets that differ in which axis is up.
 const AXES: [&str; 5] = ["z-up", "y-up", "x-up", "camera", "ned"];
 /// Greatest deviation of a quaternion's norm from 1 that rounding explains.
@@ -104,7 +101,7 @@ pub(super) fn told(named: &Named, samples: &[&PoseSample], scene: Option<&Scene>
     told.against.extend(of_name(&named.body.against));
     told.notes.extend(of_name(&named.body.notes));
     rate(samples, &mut told);
-    held(name, samples, &mut told);
+    tracked(name, samples, &mut told);
     if samples.iter().any(|sample| sample.holds == Holds::Pose) {
         norms(name, samples, &mut told);
     }
@@ -229,39 +226,6 @@ fn fall(named: &Named, flight: &ToldFlight, gravity: &Gravity, told: &mut ToldIm
             "{flight} seems to fall {:.0}° from down, which tells nothing of axes",
             tilt_rad.to_degrees()
         )),
-    }
-}
-
-/// What poses tell that are the very one before.
-fn held(name: &str, samples: &[&PoseSample], told: &mut ToldImport) {
-    let held = held_poses(samples);
-    if held.count == 0 {
-        return;
-    }
-    let from_s = samples[held.longest_from]
-        .stamp
-        .seconds_since(samples[0].stamp);
-    let said = format!(
-        "{name}: {} of {} poses are exactly the one before, up to {} in a row (from {from_s:.3} s)",
-        held.count,
-        samples.len(),
-        held.longest
-    );
-    if let Some(step_m) = rounded_m(samples) {
-        told.notes.push(format!(
-            "{said}: positions are rounded to {} mm, and a hand that moves by less repeats",
-            1e3 * step_m
-        ));
-        return;
-    }
-    let is_many = held.count as f64 > HELD_SHARE * samples.len() as f64;
-    if is_many || held.longest >= HELD_SAMPLES {
-        told.against.push(format!(
-            "{said}: a tracker that holds what it lost, or rows that are more than its readings? They are kept; expected \
-             rows without them, or a part without them by --start and --end"
-        ));
-    } else {
-        told.notes.push(said);
     }
 }
 
