@@ -315,9 +315,8 @@ fn look_at_folder(folder: &Path, say: &mut impl FnMut(&str, Health, String)) {
 }
 
 fn room(name: &str, folder: &Path, wanted: u64, say: &mut impl FnMut(&str, Health, String)) {
-    match rustix::fs::statvfs(folder) {
-        Ok(found) => {
-            let free = found.f_bavail.saturating_mul(found.f_frsize);
+    match fs4::available_space(folder) {
+        Ok(free) => {
             let health = if free < wanted {
                 Health::Poor
             } else {

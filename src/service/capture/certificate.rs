@@ -5,7 +5,6 @@
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::net::{IpAddr, Ipv4Addr, UdpSocket};
-use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -77,7 +76,10 @@ fn make(path: &Path) -> anyhow::Result<()> {
     let made = rcgen::generate_simple_self_signed(names)?;
     let text = format!("{}{}", made.cert.pem(), made.signing_key.serialize_pem());
     let mut open = OpenOptions::new();
-    let file: Result<File, _> = open.write(true).create_new(true).mode(0o600).open(path);
+    open.write(true).create_new(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut open, 0o600);
+    let file: Result<File, _> = open.open(path);
     match file {
         Err(error) if error.kind() == ErrorKind::AlreadyExists => Ok(()),
         file => {

@@ -9,7 +9,6 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
-use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
 
 use super::acting::page::{ActingPage, page_text};
@@ -30,6 +29,7 @@ use super::previewer::{PreviewInput, Previewer};
 use super::publisher::Publisher;
 use super::recorder::Recorder;
 use super::seldom::Seldom;
+use super::signals::EndSignals;
 use super::syncer::sync_all;
 use super::viewer::{self, Feed};
 use crate::config::{CaptureSettings, capture_from_toml};
@@ -113,9 +113,7 @@ pub fn capture(
         .context("no tokio runtime")?;
     let result = runtime.block_on(async {
         // Before anything is opened, so that no signal is missed.
-        let mut terminate = signal(SignalKind::terminate())?;
-        let mut interrupt = signal(SignalKind::interrupt())?;
-        let mut hangup = signal(SignalKind::hangup())?;
+        let mut signals = EndSignals::begin()?;
         let mut running = Running::start(job).await?;
         let mut account = DaemonAccount::begin(&mut running, each, show)?;
         tell("READY=1");
@@ -124,10 +122,7 @@ pub fn capture(
         loop {
             let (is_signal, may_end_it) = tokio::select! {
                 _ = checks.tick() => (false, false),
-                _ = terminate.recv() => (true, true),
-                _ = interrupt.recv() => (true, true),
-                // A terminal that is closed may say so twice.
-                _ = hangup.recv() => (true, false),
+                may_end_it = signals.next() => (true, may_end_it),
             };
             if is_signal {
                 tell("STOPPING=1");

@@ -15,7 +15,6 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use rustix::io::Errno;
-use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::task::AbortHandle;
 
@@ -44,19 +43,7 @@ impl GatePlaces {
     /// As many as are wanted, or as the process may have descriptors for after the reserve. Raises
     /// the process's limit as far as it may.
     pub(super) fn of_process() -> Self {
-        let limit = getrlimit(Resource::Nofile);
-        let raised = Rlimit {
-            current: limit.maximum,
-            maximum: limit.maximum,
-        };
-        let limit = match setrlimit(Resource::Nofile, raised) {
-            Ok(()) => limit.maximum,
-            Err(_) => limit.current,
-        };
-        let limit = limit.map_or(usize::MAX, |limit| {
-            usize::try_from(limit).unwrap_or(usize::MAX)
-        });
-        Self::of_limit(limit)
+        Self::of_limit(descriptors())
     }
 
     fn of_limit(descriptors: usize) -> Self {
@@ -214,8 +201,36 @@ impl Drop for Waiting {
     }
 }
 
+/// Raises the process's limit of descriptors as far as it may; how many there are then.
+#[cfg(unix)]
+fn descriptors() -> usize {
+    use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+    let limit = getrlimit(Resource::Nofile);
+    let raised = Rlimit {
+        current: limit.maximum,
+        maximum: limit.maximum,
+    };
+    let limit = match setrlimit(Resource::Nofile, raised) {
+        Ok(()) => limit.maximum,
+        Err(_) => limit.current,
+    };
+    limit.map_or(usize::MAX, |limit| {
+        usize::try_from(limit).unwrap_or(usize::MAX)
+    })
+}
+
+/// Elsewhere connections are no descriptors.
+#[cfg(not(unix))]
+fn descriptors() -> usize {
+    usize::MAX
+}
+
 fn is_exhausted(error: &io::Error) -> bool {
-    let exhausted = [Errno::MFILE, Errno::NFILE];
+    let exhausted = [
+        Errno::MFILE,
+        #[cfg(unix)]
+        Errno::NFILE,
+    ];
     exhausted
         .map(Errno::raw_os_error)
         .map(Some)

@@ -112,8 +112,7 @@ impl Health {
     /// Fails where a take could not be begun in the folder.
     fn look_at(&self, folder: &Path) -> Result<(), String> {
         let name = folder.display();
-        let found = rustix::fs::statvfs(folder).map_err(|error| format!("{name:?}: {error}"))?;
-        let free = found.f_bavail.saturating_mul(found.f_frsize);
+        let free = fs4::available_space(folder).map_err(|error| format!("{name:?}: {error}"))?;
         self.free_bytes.store(free, Ordering::Relaxed);
         if free < ROOM_BYTES {
             return Err(format!(

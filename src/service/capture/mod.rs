@@ -130,6 +130,7 @@ mod listen;
 mod metrics;
 mod naming;
 mod notice;
+#[cfg_attr(not(unix), path = "no_manager.rs")]
 mod notify;
 mod origin;
 #[cfg(any(test, fuzzing))]
@@ -140,6 +141,7 @@ mod previewer;
 mod publisher;
 mod recorder;
 mod seldom;
+mod signals;
 mod syncer;
 mod take;
 mod viewer;

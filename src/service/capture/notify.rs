@@ -13,14 +13,14 @@ pub(super) fn tell(state: &str) {
 }
 
 fn send(socket: &[u8], state: &str) -> std::io::Result<()> {
-    use std::os::linux::net::SocketAddrExt;
     use std::os::unix::ffi::OsStrExt;
     use std::os::unix::net::SocketAddr;
     let datagram = UnixDatagram::unbound()?;
     // A leading @ stands for a zero: the abstract namespace.
     let address = match socket.strip_prefix(b"@") {
-        Some(name) => SocketAddr::from_abstract_name(name)?,
-        None => SocketAddr::from_pathname(std::ffi::OsStr::from_bytes(socket))?,
+        #[cfg(target_os = "linux")]
+        Some(name) => <SocketAddr as std::os::linux::net::SocketAddrExt>::from_abstract_name(name)?,
+        _ => SocketAddr::from_pathname(std::ffi::OsStr::from_bytes(socket))?,
     };
     datagram.send_to_addr(state.as_bytes(), &address)?;
     Ok(())
@@ -30,6 +30,7 @@ fn send(socket: &[u8], state: &str) -> std::io::Result<()> {
 mod tests {
     use super::*;
 
+    #[cfg(target_os = "linux")]
     #[test]
     fn the_manager_hears_by_file_and_by_abstract_name() {
         use std::os::linux::net::SocketAddrExt;

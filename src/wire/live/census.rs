@@ -49,7 +49,7 @@ pub struct NodeEntry {
     /// The name it gave itself and its executable, as far as they can be read.
     pub name: String,
     /// Its process id, if it can be read.
-    pub process: Option<i32>,
+    pub process: Option<i64>,
     /// Whether the process runs.
     pub state: Liveness,
 }
@@ -241,7 +241,10 @@ fn node_entry(state: &NodeState<LiveService>) -> NodeEntry {
                 let details = view.details().as_ref()?;
                 Some(format!("{} ({})", details.name(), details.executable()))
             }),
-            process: view.details().as_ref().map(|d| d.process_id().value()),
+            process: view
+                .details()
+                .as_ref()
+                .map(|d| i64::from(d.process_id().value())),
             state: Liveness::Alive,
         },
         NodeState::Dead(view) => NodeEntry {
@@ -249,7 +252,10 @@ fn node_entry(state: &NodeState<LiveService>) -> NodeEntry {
                 let details = view.details().as_ref()?;
                 Some(format!("{} ({})", details.name(), details.executable()))
             }),
-            process: view.details().as_ref().map(|d| d.process_id().value()),
+            process: view
+                .details()
+                .as_ref()
+                .map(|d| i64::from(d.process_id().value())),
             state: Liveness::Dead,
         },
         NodeState::Inaccessible(id) => NodeEntry {

@@ -4,7 +4,7 @@
 //! read, for as long as the daemon runs, and in the link to the operator's page that it prints.
 
 use std::fmt;
-use std::fs::{File, OpenOptions};
+use std::fs::OpenOptions;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
@@ -13,9 +13,6 @@ pub const TOKEN_BYTES: usize = 16;
 
 /// A longer file is no token \[bytes\].
 const FILE_BYTES: u64 = 256;
-
-/// The system's source of random bytes.
-const RANDOM: &str = "/dev/urandom";
 
 /// What somebody must know to direct takes; it is written in hexadecimal digits and never printed by
 /// `{:?}`.
@@ -29,7 +26,7 @@ impl Token {
     /// A new one that nobody knows. Fails where the system has no random bytes.
     pub fn make() -> io::Result<Self> {
         let mut bytes = [0; TOKEN_BYTES];
-        File::open(RANDOM)?.read_exact(&mut bytes)?;
+        getrandom::fill(&mut bytes)?;
         Ok(Self(bytes))
     }
 
