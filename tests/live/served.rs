@@ -6,6 +6,7 @@ use foxglove::Decode;
 use foxglove::messages::{FrameTransforms, PoseInFrame, SceneUpdate};
 
 mod acting;
+mod calibration;
 mod crowd;
 mod descriptors;
 mod health;

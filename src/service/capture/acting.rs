@@ -8,8 +8,11 @@
 //! as [`stage`] allows; who sends more is sent away. One page at a time is the
 //! tracker of a stream, and none of a stream on which a tracker sends already ([`claims`]). A page that answers no
 //! ping is sent away, and what it was the tracker of is silent meanwhile, as any tracker.
+//!
+//! A page may ask for calibrations of takes, which it names by their numbers ([`calibration`]).
 
 mod allowance;
+mod calibration;
 mod claims;
 mod conversation;
 mod device_clock;

@@ -303,6 +303,7 @@ impl Running {
             origins: Origins::new(&settings.origins, &settings.hosts),
             token,
             scene: &scene,
+            scene_toml: &String::from_utf8_lossy(&scene_toml),
             settings: &settings,
             topics: &topics,
             metrics: &metrics,
@@ -401,6 +402,7 @@ impl Running {
 /// The inputs of the servers for viewers and metrics.
 struct Doors<'a> {
     scene: &'a Scene,
+    scene_toml: &'a str,
     settings: &'a CaptureSettings,
     topics: &'a [StreamTopic],
     metrics: &'a Arc<Metrics>,
@@ -509,6 +511,7 @@ impl Doors<'_> {
             html: html.as_bytes().into(),
             pairing: Pairing::new().context("no random bytes for a pairing code")?,
             scene: self.scene,
+            scene_toml: self.scene_toml,
             topics: self.topics,
             director,
             status: status.clone(),

@@ -75,7 +75,7 @@ pub(super) fn finals(
 
 /// Draws the motion for the pages, once everybody knows of it.
 fn draw(take: u64, estimate: &Path, metrics: &Metrics) {
-    let keep = |glb| metrics.history.keep_motion(take, glb);
+    let keep = |glb| metrics.history.keep_checked(take, glb);
     match guarded(|| shown(estimate, keep)) {
         Ok(Some(picture)) => metrics.history.draw(take, picture),
         Ok(None) => {}

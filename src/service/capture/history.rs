@@ -1,7 +1,7 @@
 //! The last takes, for the operator's page.
 
 use std::collections::VecDeque;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use serde::Serialize;
@@ -41,6 +41,8 @@ pub(super) struct TakeLine {
     has_motion: bool,
     /// How often the motion was made anew: first so far, at marks, then as it is in the file.
     motions: u32,
+    /// Whether it is that of the file, which was checked.
+    is_checked: bool,
     #[serde(skip)]
     motion: Option<Arc<[u8]>>,
     /// The verdict so far, before the take is estimated.
@@ -103,16 +105,34 @@ impl History {
         });
     }
 
-    /// Keeps the motion of a take that it knows, as glTF; of too large a one nothing.
-    pub(super) fn keep_motion(&self, take: u64, glb: Vec<u8>) {
+    /// Keeps the motion so far of a take that it knows, as glTF; of too large a one nothing.
+    pub(super) fn keep_so_far(&self, take: u64, glb: Vec<u8>) {
+        self.keep_motion(take, glb, false);
+    }
+
+    /// Keeps the motion that was checked.
+    pub(super) fn keep_checked(&self, take: u64, glb: Vec<u8>) {
+        self.keep_motion(take, glb, true);
+    }
+
+    fn keep_motion(&self, take: u64, glb: Vec<u8>, is_checked: bool) {
         if glb.len() > PICTURE_BYTES {
             return;
         }
         self.change_known(take, |line| {
             line.has_motion = true;
             line.motions += 1;
+            line.is_checked = is_checked;
             line.motion = Some(glb.into());
         });
+    }
+
+    /// The recording of a take that is over.
+    pub(super) fn recording(&self, take: u64) -> Option<PathBuf> {
+        let takes = self.lines.lock().ok()?;
+        let line = takes.iter().find(|line| line.take == take)?;
+        let is_over = line.state != "recording" && !line.recording.is_empty();
+        is_over.then(|| PathBuf::from(&line.recording))
     }
 
     /// The picture of a take.
@@ -265,8 +285,8 @@ mod tests {
         assert!(history.takes()[2].has_picture);
         // So do motions, and who looks is told.
         let changes = history.changes();
-        history.keep_motion(28, vec![7; 3]);
-        history.keep_motion(27, vec![7; PICTURE_BYTES + 1]);
+        history.keep_so_far(28, vec![7; 3]);
+        history.keep_checked(27, vec![7; PICTURE_BYTES + 1]);
         assert!(changes.has_changed().expect("there"));
         let motions = [28, 27].map(|take| history.motion(take).map(|glb| glb.len()));
         assert_eq!(motions, [Some(3), None]);

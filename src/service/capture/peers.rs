@@ -136,6 +136,7 @@ impl Ports {
             html: b"<!doctype html>".as_slice().into(),
             pairing: Pairing::with_code(CODE.to_owned()),
             scene: &scene,
+            scene_toml: text,
             topics: &topics,
             director: director(),
             status: status.subscribe(),

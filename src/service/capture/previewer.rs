@@ -144,7 +144,7 @@ impl Previewer {
         match showing {
             Ok(showing) => {
                 if let Some(glb) = showing.glb(&outcome.scene, &provenance) {
-                    self.metrics.history.keep_motion(take, glb);
+                    self.metrics.history.keep_so_far(take, glb);
                 }
             }
             Err(error) => tracing::debug!(take, %error, "not played"),

@@ -19,12 +19,17 @@ use crate::harness::{Daemon, House, Patience, ended};
 
 /// A page in a house, and a daemon that serves it.
 pub fn begin(house: &House, more: &[&str]) -> (Daemon, String) {
+    begin_with(house, SCENE, more)
+}
+
+/// [`begin`] with another scene.
+pub fn begin_with(house: &House, scene: &str, more: &[&str]) -> (Daemon, String) {
     let page: PathBuf = house.folder().join("page.html");
     std::fs::write(&page, "<!doctype html><title>acting</title>").expect("write");
     let acting = format!("--acting={}", page.display());
     let daemon = Daemon::start(
         house,
-        SCENE,
+        scene,
         &[&[acting.as_str(), "--metrics-port", "0"], more].concat(),
     );
     let url = daemon.ready["metrics"].as_str().expect("served").to_owned();
@@ -55,12 +60,12 @@ fn request(host: &str, origin: Option<&str>) -> String {
 pub struct ActingPage<S = TcpStream>(S);
 
 impl ActingPage {
-    fn open(url: &str) -> Self {
+    pub fn open(url: &str) -> Self {
         Self::on(connect(url), url)
     }
 
     /// One that was let in and is the tracker of the scene's stream.
-    fn paired(url: &str, code: &str) -> Self {
+    pub fn paired(url: &str, code: &str) -> Self {
         let mut page = Self::open(url);
         page.pair(code);
         page
@@ -134,7 +139,7 @@ impl<S: Read + Write> ActingPage<S> {
     }
 
     /// The next message of that kind; `None` once the connection is over.
-    fn heard(&mut self, what: &str) -> Option<Value> {
+    pub fn heard(&mut self, what: &str) -> Option<Value> {
         let patience = Patience::new();
         loop {
             patience.check(what);
@@ -447,12 +452,7 @@ fn controllers_and_trackers_lose_nothing_beside_each_other() {
     let text = format!("name = \"eight\"\n[timing]\nstamps = \"physical\"\n{bodies}");
     let event = "[[event]]\nname = \"start\"\nkind = \"start\"\n[[event]]\nname = \"end\"\nkind = \"end\"\n";
     std::fs::write(&scene, text + event).expect("write");
-    let page = house.folder().join("page.html");
-    std::fs::write(&page, "<!doctype html>").expect("write");
-    let acting = format!("--acting={}", page.display());
-    let scene = house.text(&scene).to_owned();
-    let mut daemon = Daemon::start(&house, &scene, &[&acting, "--metrics-port", "0"]);
-    let url = daemon.ready["metrics"].as_str().expect("served").to_owned();
+    let (mut daemon, url) = begin_with(&house, house.text(&scene), &[]);
     let mut page = ActingPage::open(&url);
     page.say(&json!({"say": "pair", "code": code(&daemon)}));
     page.hear("paired");

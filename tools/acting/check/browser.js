@@ -9,14 +9,18 @@ import { mkdir, writeFile } from "node:fs/promises";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
+import { calibration } from "./calibration.js";
 import { headsetTake } from "./headset.js";
 import { mouseTake } from "./mouse.js";
 import { pictures } from "./pictures.js";
+import { times } from "./times.js";
 
 const home = dirname(dirname(fileURLToPath(import.meta.url)));
 const root = dirname(dirname(home));
 const [enact, executablePath, folder, ...wanted] = process.argv.slice(2);
-const PARTS = { mouse: mouseTake, headset: headsetTake, pictures };
+const PARTS = { mouse: mouseTake, headset: headsetTake, pictures, calibration, times };
+/** Those that run where none is asked for. */
+const USUAL = ["mouse", "headset", "pictures", "calibration"];
 
 /** A daemon with an iceoryx2 of its own, and what it says. */
 async function daemon() {
@@ -65,7 +69,7 @@ const browser = await chromium.launch({
 let failed = 0;
 try {
   for (const [name, part] of Object.entries(PARTS)) {
-    if (wanted.length > 0 && !wanted.includes(name)) continue;
+    if (!(wanted.length > 0 ? wanted : USUAL).includes(name)) continue;
     try {
       for (const line of await part({ browser, daemon: begun, folder, home, enact })) console.log(`${name}: ${line}`);
     } catch (error) {

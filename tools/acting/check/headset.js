@@ -1,6 +1,6 @@
 // The headset path: iwer plays a recorded controller session, a throw with its buttons, through the page.
 import { join } from "node:path";
-import { acting, assert, verdictOf } from "./page.js";
+import { accountOf, acting, assert, verdictOf } from "./page.js";
 import { SLOW, throwFrom } from "./throws.js";
 
 /** Frames a second of the recording, and what its numbers are rounded to, as iwer's recorder does. */
@@ -45,7 +45,8 @@ function recorded() {
   return { schema: [[0, schema]], frames };
 }
 
-export async function headsetTake({ browser, daemon, folder, home }) {
+/** One take; what came of it. */
+export async function actByHeadset({ browser, daemon, folder, home }) {
   const prepare = async (page) => {
     await page.addInitScript({ path: join(home, "node_modules/iwer/build/iwer.min.js") });
     await page.addInitScript(() => {
@@ -62,16 +63,14 @@ export async function headsetTake({ browser, daemon, folder, home }) {
   await page.click("#enter-vr");
   await page.waitForSelector("body[data-room=immersive-vr]");
   await page.waitForFunction(() => window.enactRoom().headset.isPlaced);
-  const before = daemon.said.filter((of) => of.what === "started").length;
+  const before = daemon.said.length;
   await page.evaluate((recording) => {
     const { headset, space } = window.enactRoom();
     const player = window.emulated.createActionPlayer(space, recording);
     player.setEventContext({ session: headset.session, getFrame: () => window.enactRoom().headset.frame });
     player.play();
   }, recorded());
-  const started = await daemon.wait("started", () => daemon.said.filter((of) => of.what === "started").length > before);
-  const { take } = daemon.said.filter((of) => of.what === "started").at(-1);
-  assert.ok(started);
+  const { take } = await daemon.wait("started", (of) => daemon.said.indexOf(of) >= before);
   const closed = await daemon.wait("closed", (of) => of.take === take);
   const tracker = closed.counts.trackers[0];
   assert.equal(closed.counts.marks.received, 2);
@@ -79,7 +78,7 @@ export async function headsetTake({ browser, daemon, folder, home }) {
   assert.equal(tracker.clock.source, "device");
   const estimated = await daemon.wait("estimated", (of) => of.take === take);
   assert.equal(estimated.report.verdict, "physical");
-  const { said, verdictMs, motionMs } = await verdictOf(page, take);
+  const came = await verdictOf(page, take);
   await page.waitForTimeout(300);
   const path = join(folder, "headset.png");
   await page.screenshot({ path });
@@ -87,10 +86,10 @@ export async function headsetTake({ browser, daemon, folder, home }) {
   await page.waitForSelector("body[data-room='']");
   assert.deepEqual(errors, []);
   await context.close();
-  return [
-    `take ${take}: ${tracker.counts.received} samples, ${closed.counts.marks.received} marks, none missing`,
-    `the daemon says ${estimated.report.verdict}; the page says: ${said}`,
-    `verdict ${verdictMs} ms, motion ${motionMs} ms after the end`,
-    path,
-  ];
+  return { take, closed, estimated, ...came, path };
+}
+
+export async function headsetTake(how) {
+  const came = await actByHeadset(how);
+  return [...accountOf(came), came.path];
 }

@@ -1,8 +1,9 @@
 // The mouse path: a ball is dragged onto the table, bounces and is put into a bowl, by pointer events and keys.
-import { acting, assert, verdictOf } from "./page.js";
+import { accountOf, acting, assert, verdictOf } from "./page.js";
 import { SLOW, throwFrom } from "./throws.js";
 
-export async function mouseTake({ browser, daemon }) {
+/** One take; what came of it. */
+export async function actByMouse({ browser, daemon }) {
   const { context, page, errors } = await acting(browser, daemon);
   const seen = await page.evaluate(() => window.enactSeenAt());
   const start = await page.evaluate(() => window.enactBody());
@@ -10,8 +11,9 @@ export async function mouseTake({ browser, daemon }) {
   await page.mouse.move(seen.x, seen.y);
   await page.mouse.down();
   await page.waitForTimeout(200);
+  const before = daemon.said.length;
   await page.keyboard.press("Enter");
-  const { take } = await daemon.wait("started");
+  const { take } = await daemon.wait("started", (of) => daemon.said.indexOf(of) >= before);
   await page.waitForFunction(() => document.querySelector("#record").textContent === "Stop");
   const begun = Date.now();
   let isMarked = false;
@@ -37,12 +39,10 @@ export async function mouseTake({ browser, daemon }) {
   assert.equal(tracker.clock.source, "device");
   const estimated = await daemon.wait("estimated", (of) => of.take === take);
   assert.equal(estimated.report.verdict, "physical");
-  const { said, verdictMs, motionMs } = await verdictOf(page, take);
+  const came = await verdictOf(page, take);
   assert.deepEqual(errors, []);
   await context.close();
-  return [
-    `take ${take}: ${tracker.counts.received} samples, ${closed.counts.marks.received} marks, none missing`,
-    `the daemon says ${estimated.report.verdict}; the page says: ${said}`,
-    `verdict ${verdictMs} ms, motion ${motionMs} ms after the end`,
-  ];
+  return { take, closed, estimated, ...came };
 }
+
+export const mouseTake = async (how) => accountOf(await actByMouse(how));

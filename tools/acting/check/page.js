@@ -24,12 +24,21 @@ export async function acting(browser, daemon, options = {}, prepare = async () =
   return all;
 }
 
+/** What came of a take, in lines. */
+export function accountOf({ take, closed, estimated, said, verdictMs, motionMs, checkedMs }) {
+  return [
+    `take ${take}: ${closed.counts.trackers[0].counts.received} samples, ${closed.counts.marks.received} marks, none missing`,
+    `the daemon says ${estimated.report.verdict}; the page says: ${said}`,
+    `first motion ${motionMs} ms, verdict ${verdictMs} ms, checked motion ${checkedMs} ms after the end`,
+  ];
+}
+
 /** Waits for the verdict on a take and until its motion is shown; what the page says, and how long it took [ms]. */
 export async function verdictOf(page, take) {
   await page.waitForFunction((take) => document.body.dataset.motion === String(take), take, { timeout: 30_000 });
   const said = await page.textContent("#said");
-  const [verdictMs, motionMs] = (await page.evaluate(() => document.body.dataset.afterEnd)).split(" ").map(Number);
-  return { said, verdictMs, motionMs };
+  const [verdictMs, motionMs, checkedMs] = (await page.evaluate(() => document.body.dataset.afterEnd)).split(" ").map(Number);
+  return { said, verdictMs, motionMs, checkedMs };
 }
 
 export { assert };

@@ -45,6 +45,11 @@ export async function pictures({ browser, daemon, folder, enact }) {
       const act = await acting(browser, daemon, how);
       await act.page.waitForTimeout(700);
       await shoot(act, "acting");
+      const calibration = await acting(browser, daemon, how);
+      await calibration.page.click("#calibrate");
+      await calibration.page.selectOption("#step", "plane");
+      await calibration.page.waitForTimeout(200);
+      await shoot(calibration, "calibration");
       const operator = await opened(browser, daemon.ready.page, how);
       await operator.page.waitForSelector("#last:not([hidden])");
       const top = join(folder, `operator-top-${size}-${colorScheme}.png`);

@@ -1,5 +1,6 @@
 // The acting page: pairs, is a tracker, and shows what came back.
 import * as THREE from "three";
+import { Calibration } from "./calibration.js";
 import { Headset, modes } from "./headset.js";
 import { Link } from "./link.js";
 import { Mouse } from "./mouse.js";
@@ -32,13 +33,17 @@ let played = null;
 let latest = null;
 /** Whether the motion is looked at, not acted. */
 let isWatching = false;
+/** What the link asks for. */
+const asked = new URLSearchParams(location.hash.slice(1));
 
 const link = new Link((said) => {
   if (said.what === "paired") paired(said);
   else if (said.what === "state") state(said);
+  else if (said.what === "calibrated") calibration.found(said);
   else if (said.what === "refused") refused(said.why);
   else gone(said.why);
 });
+const calibration = new Calibration(link, say, (text) => view.tell(text, "#e8eaee"));
 
 const headset = new Headset(view, {
   readings: (tracked, ms) => {
@@ -104,6 +109,7 @@ async function paired(said) {
   placeBodies();
   watch(isWatching);
   document.body.dataset.paired = "yes";
+  if (asked.has("calibrate")) calibration.show(true);
 }
 
 /** Puts the bodies where a mouse takes them. */
@@ -126,6 +132,7 @@ function act(index) {
 function choose(index) {
   stream = index;
   at("stream").value = String(index);
+  calibration.offer(told.streams[index].features, told.surfaces);
   act(index);
 }
 
@@ -137,6 +144,7 @@ function gone(why) {
 }
 
 function refused(why) {
+  calibration.refused();
   if (link.isPaired) return say(why, "bad");
   at("pairing").querySelector(".why").textContent = why;
   at("pairing").hidden = false;
@@ -161,9 +169,10 @@ function state(said) {
     ? said.troubles[0] ?? "no take runs"
     : `take ${take}: ${said.messages} samples, ${said.marks} marks`;
   if (take !== null && !wasRunning) {
-    say("");
+    if (!calibration.isOpen) say("");
     watch(false);
   }
+  if (calibration.state(said)) return;
   const last = said.takes[0];
   latest = last ?? null;
   if (!last || take !== null) return;
@@ -185,7 +194,9 @@ function tellTimes() {
   if (!isThere || ended?.take !== of.take || ended.verdictMs === undefined) return;
   const [text, quality] = became(of);
   say(`${text} (${afterEnd()})`, quality);
-  document.body.dataset.afterEnd = `${Math.round(ended.verdictMs)} ${Math.round(ended.motionMs)}`;
+  if (ended.checkedMs === undefined) return;
+  const times = [ended.verdictMs, ended.motionMs, ended.checkedMs];
+  document.body.dataset.afterEnd = times.map(Math.round).join(" ");
   document.body.dataset.motion = String(of.take);
 }
 
@@ -206,9 +217,11 @@ async function play(of) {
   at("time").max = String(view.motion.duration);
   watch(true);
   view.render();
+  drawnMs = performance.now();
   if (ended?.take === of.take) {
     // The first motion, so far or checked.
     ended.motionMs ??= performance.now() - ended.atMs;
+    if (of.is_checked) ended.checkedMs ??= performance.now() - ended.atMs;
   }
   played = `${of.take} ${of.motions}`;
   tellTimes();
@@ -217,6 +230,7 @@ async function play(of) {
 /** Begins a take, or ends the one that runs. */
 export function record() {
   if (take === null) return link.say({ say: "start" });
+  if (calibration.isOpen) return calibration.end(take, stream);
   ended = { take, atMs: performance.now() };
   link.say({ say: "stop" });
 }
@@ -228,6 +242,7 @@ export function mark(ms) {
 }
 
 at("record").onclick = () => record();
+at("calibrate").addEventListener("click", () => watch(false));
 at("mark").onclick = (event) => mark(event.timeStamp);
 at("enter-ar").title = at("enter-vr").title = "begins a session, and ends it";
 at("stream").onchange = () => choose(Number(at("stream").value));
@@ -241,7 +256,7 @@ at("time").oninput = () => {
   view.setTime(Number(at("time").value));
 };
 addEventListener("keydown", (event) => {
-  if (event.target instanceof HTMLInputElement || event.repeat) return;
+  if (event.target.matches?.("input, select, textarea") || event.repeat) return;
   if (event.code === "Space") mark(event.timeStamp);
   else if (event.code === "Enter") record();
   else return;
@@ -261,6 +276,19 @@ function reading(of, position, turn, deviceMs) {
   return { deviceMs, position: tracker.toArray(), quaternion: turn.clone().multiply(mount).toArray(), isValid: true };
 }
 
+/** While the daemon checks a take, a page beside it leaves it the processor: so often the page is drawn then [ms]. */
+const CHECKING_MS = 100;
+/** How long that may take [ms]. */
+const CHECKED_MS = 2000;
+let drawnMs = 0;
+
+/** Whether the page is not drawn now. */
+function isSpared(ms) {
+  const isChecking = take === null && ended !== null && ended.checkedMs === undefined
+    && performance.now() - ended.atMs < CHECKED_MS;
+  return isChecking && ms - drawnMs < CHECKING_MS;
+}
+
 view.renderer.setAnimationLoop((ms, frame) => {
   if (told && frame) headset.read(frame, ms);
   else if (told) {
@@ -276,6 +304,8 @@ view.renderer.setAnimationLoop((ms, frame) => {
     at("clock").textContent = `${view.motion.time.toFixed(2)} s`;
     at("play").textContent = view.isPlaying ? "Pause" : "Play";
   }
+  if (!frame && isSpared(ms)) return;
+  drawnMs = ms;
   view.render();
 });
 
@@ -303,7 +333,7 @@ window.enactRoom = () => ({ headset, space: view.renderer.xr.getReferenceSpace()
 window.enactBody = () => ({ ...mouse.position, pixelsPerMetre: view.pixelsPer(mouse.position) });
 
 // The link that the daemon prints has the code after #, where browsers keep it to themselves.
-const code = new URLSearchParams(location.hash.slice(1)).get("code");
+const code = asked.get("code");
 if (code) {
   history.replaceState(null, "", location.pathname);
   at("code").value = code;

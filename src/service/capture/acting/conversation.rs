@@ -1,9 +1,11 @@
 //! A page's connection, from the code to its end.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use futures_util::{SinkExt, StreamExt};
 use tokio::io::{AsyncRead, AsyncWrite};
+use tokio::task::JoinHandle;
 use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::protocol::CloseFrame;
 use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
@@ -14,6 +16,7 @@ use super::super::gate::Waiting;
 use super::super::presence::Presence;
 use super::super::take::now_ns;
 use super::allowance::Allowance;
+use super::calibration::CalibrationWish;
 use super::device_clock::DeviceClock;
 use super::greeting::{refusal_text, state_text};
 use super::message::{PageReadings, PageText};
@@ -44,6 +47,8 @@ pub(super) struct PageConversation<'a, S> {
     clock: DeviceClock,
     readings: Allowance,
     texts: Allowance,
+    /// A step of a calibration that is being made: what the page is told of it.
+    calibrating: Option<JoinHandle<String>>,
 }
 
 /// It is over, with what the page is told of it.
@@ -89,6 +94,7 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> PageConversation<'a, S> {
             clock: DeviceClock::default(),
             readings: Allowance::new(READINGS_PER_SECOND, HELD_UP_S * READINGS_PER_SECOND, now),
             texts: Allowance::new(TEXTS_PER_SECOND, HELD_UP_S * TEXTS_PER_SECOND, now),
+            calibrating: None,
         };
         let over = page.run().await;
         acting.claims.leave(page.session);
@@ -139,6 +145,9 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> PageConversation<'a, S> {
                     self.say_state().await?;
                 }
                 Ok(()) = takes.changed() => self.say_state().await?,
+                calibrated = ended(&mut self.calibrating) => {
+                    self.send(calibrated).await?;
+                }
                 _ = pings.tick() => {
                     unanswered += 1;
                     if unanswered > 2 {
@@ -197,6 +206,7 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> PageConversation<'a, S> {
                 };
                 self.acting.director.mark(&event, times)
             }
+            PageText::Calibrate(wish) => self.calibrate(wish),
             said => match said.order() {
                 Some(order) => self.acting.director.order(&order),
                 None => Err("this page was let in already".to_owned()),
@@ -216,6 +226,26 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> PageConversation<'a, S> {
         };
         let claims = &self.acting.claims;
         claims.take(stream, self.key, self.session, is_sent)
+    }
+
+    /// Makes a step of a calibration beside everything else.
+    fn calibrate(&mut self, wish: CalibrationWish) -> Result<(), String> {
+        if self.calibrating.is_some() {
+            return Err("a calibration is being made".to_owned());
+        }
+        let history = &self.acting.metrics.history;
+        let recordings = wish.takes.iter().map(|take| {
+            let recording = history.recording(*take);
+            recording.ok_or_else(|| format!("take {take} is none of the last ones that have ended"))
+        });
+        let recordings = recordings.collect::<Result<Vec<_>, _>>()?;
+        let calibrations = Arc::clone(&self.acting.calibrations);
+        let make = move || match calibrations.make(&wish, recordings) {
+            Ok(made) => made,
+            Err(why) => refusal_text(&why),
+        };
+        self.calibrating = Some(tokio::task::spawn_blocking(make));
+        Ok(())
     }
 
     fn count_text(&mut self) -> Result<(), PageOver> {
@@ -246,6 +276,16 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> PageConversation<'a, S> {
         let sent = tokio::time::timeout(STALL, self.socket.flush()).await;
         taken(sent)
     }
+}
+
+/// What came of what is being made; never, where nothing is.
+async fn ended(calibrating: &mut Option<JoinHandle<String>>) -> String {
+    let Some(made) = calibrating else {
+        return std::future::pending().await;
+    };
+    let made = made.await;
+    *calibrating = None;
+    made.unwrap_or_else(|_| refusal_text("the calibration was not finished"))
 }
 
 /// The key of a page whose first message lets it in; else why it does not, in words.

@@ -7,6 +7,7 @@ use super::super::event::Status;
 use super::super::history::TakeLine;
 use crate::ingest::live::{StreamTopic, Token};
 use crate::motion::{PoseSample, Scene, Stamp};
+use crate::physics::contact::Feature;
 use crate::service::provenance::scene_provenance;
 use crate::write::export::{ExportedBody, Key, glb};
 use crate::write::show::tracker_mount;
@@ -28,6 +29,8 @@ struct ActedStream {
     position_m: [f64; 3],
     /// The turn of the tracker in the body's frame.
     quaternion_xyzw: [f64; 4],
+    /// Names of the body's features that may be a tip: its corners.
+    features: Vec<String>,
 }
 
 /// What does not change while the daemon runs.
@@ -40,19 +43,27 @@ impl Greeting {
             .iter()
             .map(|of| {
                 let mount = tracker_mount(scene, of.track);
+                let link = scene.link_seen_by(of.track);
+                // What is round touches elsewhere, wherever it is turned.
+                let is_tip =
+                    |of: &Feature| matches!(of, Feature::Point { radius_m, .. } if *radius_m == 0.0);
+                let tips = link.features.iter().filter(|of| is_tip(&of.geometry));
                 ActedStream {
                     topic: of.topic.clone(),
-                    body: scene.link_seen_by(of.track).name.clone(),
+                    body: link.name.clone(),
                     position_m: mount.position_m.into(),
                     quaternion_xyzw: mount.quaternion_xyzw,
+                    features: tips.map(|of| of.name.clone()).collect(),
                 }
             })
             .collect();
+        let surfaces: Vec<&str> = scene.surfaces.iter().map(|of| of.name.as_str()).collect();
         Self(json!({
             "what": "paired",
             "scene": scene.name,
             "streams": streams,
             "events": events,
+            "surfaces": surfaces,
         }))
     }
 

@@ -7,6 +7,7 @@
 //! | text `{"say": "act", "stream": 0}` | from now on this page is the tracker of that stream |
 //! | text `{"say": "start"}`, `{"say": "stop", "name": "", "note": "", "rating": 0}`, `{"say": "discard"}` | as the operator's page orders |
 //! | text `{"say": "mark", "event": "", "device_ns": 0}` | an event happened then, on the clock of the readings |
+//! | text `{"say": "calibrate", "step": "plane", "stream": 0, "takes": [3], "feature": "tip", "surface": "table", "stands": []}` | a step of a calibration, of these takes |
 //! | bytes: the stream as `u32`, zero as `u32`, then 1 to 64 readings as `enact.Pose.1` | readings of the stream |
 //!
 //! Of a reading `sequence`, `device_ns`, `position_m`, `quaternion_xyzw` and `flags` count. The daemon says itself when
@@ -16,6 +17,7 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use super::super::director::{DirectorOrder, TakeRemarks};
+use super::calibration::CalibrationWish;
 use crate::ingest::live::{POSE_BYTES, PoseRecord};
 
 /// Longest message of a page \[bytes\]: the most readings that come at once.
@@ -59,6 +61,8 @@ pub(super) enum PageText {
         /// When, on the clock of the readings \[ns\].
         device_ns: i64,
     },
+    /// A step of a calibration.
+    Calibrate(CalibrationWish),
 }
 
 /// PageReadings of a stream.
@@ -98,7 +102,11 @@ impl PageText {
             Self::Start => Some(DirectorOrder::Start),
             Self::Stop(remarks) => Some(DirectorOrder::Stop(remarks)),
             Self::Discard => Some(DirectorOrder::Discard),
-            Self::Pair { .. } | Self::Resume { .. } | Self::Act { .. } | Self::Mark { .. } => None,
+            Self::Pair { .. }
+            | Self::Resume { .. }
+            | Self::Act { .. }
+            | Self::Mark { .. }
+            | Self::Calibrate(_) => None,
         }
     }
 }
@@ -128,6 +136,7 @@ impl PageReadings {
 mod tests {
     use proptest::prelude::*;
 
+    use super::super::calibration::CalibrationStep;
     use super::*;
 
     fn bytes(stream: u32, records: &[PoseRecord]) -> Vec<u8> {
@@ -181,6 +190,17 @@ mod tests {
             (r#"{"say":"start"}"#, PageText::Start),
             (r#"{"say":"stop"}"#, stop("")),
             (r#"{"say":"stop","name":"a throw"}"#, stop("a throw")),
+            (
+                r#"{"say":"calibrate","step":"rest","stream":0,"takes":[3,4],"stands":["+z","-x"]}"#,
+                PageText::Calibrate(CalibrationWish {
+                    step: CalibrationStep::Rest,
+                    stream: 0,
+                    takes: vec![3, 4],
+                    feature: None,
+                    surface: None,
+                    stands: vec!["+z".to_owned(), "-x".to_owned()],
+                }),
+            ),
         ] {
             assert_eq!(PageText::read(text), Ok(expected));
         }
@@ -193,6 +213,9 @@ mod tests {
             r#"{"say":"act","stream":0,"more":1}"#,
             r#"{"say":"stop","more":1}"#,
             r#"{"say":"mark","device_ns":1e99}"#,
+            r#"{"say":"calibrate","step":"clock","stream":0,"takes":[3]}"#,
+            r#"{"say":"calibrate","step":"rest","stream":0,"takes":["/etc/passwd"]}"#,
+            r#"{"say":"calibrate","step":"rest","stream":0}"#,
         ] {
             assert!(PageText::read(wrong).is_err(), "{wrong}");
         }

@@ -8,6 +8,7 @@ use tokio::sync::{Semaphore, watch};
 use super::super::director::Director;
 use super::super::event::Status;
 use super::super::metrics::Metrics;
+use super::calibration::Calibrations;
 use super::claims::Claims;
 use super::greeting::{Greeting, scene_glb};
 use super::pairing::Pairing;
@@ -32,6 +33,7 @@ pub(in super::super) struct ActingStage {
     pub(super) greeting: Greeting,
     pub(super) pairing: Pairing,
     pub(super) claims: Claims,
+    pub(super) calibrations: Arc<Calibrations>,
     pub(super) director: Director,
     pub(super) status: watch::Receiver<Status>,
     pub(super) metrics: Arc<Metrics>,
@@ -45,6 +47,8 @@ pub(in super::super) struct ActingParts<'a> {
     pub(in super::super) html: Arc<[u8]>,
     pub(in super::super) pairing: Pairing,
     pub(in super::super) scene: &'a Scene,
+    /// The text of it.
+    pub(in super::super) scene_toml: &'a str,
     pub(in super::super) topics: &'a [StreamTopic],
     /// With a queue of its own.
     pub(in super::super) director: Director,
@@ -62,6 +66,7 @@ impl ActingStage {
             greeting: Greeting::new(parts.scene, parts.topics, parts.director.events()),
             pairing: parts.pairing,
             claims: Claims::new(parts.topics.len()),
+            calibrations: Arc::new(Calibrations::new(parts.scene_toml, parts.topics)),
             director: parts.director,
             status: parts.status,
             metrics: parts.metrics,

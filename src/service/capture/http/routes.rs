@@ -103,6 +103,7 @@ impl Pages {
             "troubles": self.metrics.health.troubles(Instant::now()),
             "events": self.director.events(),
             "takes": self.metrics.history.takes(),
+            "acts": self.acting.is_some(),
             "free_bytes": self.metrics.health.free_bytes(),
         })
         .to_string()
