@@ -14,24 +14,6 @@ use crate::motion::Stamp;
 /// Share of the greatest value above which a button is down.
 const DOWN: f64 = 0.5;
 
-/// Words in names of buttons.
-const BUTTONS: [&str; 9] = [
-    "trigger", "button", "grip", "squeeze", "thumb", "trackpad", "touchpad", "pinch", "press",
-];
-
-/// Whether a column has that name.
-pub(super) fn is_column(column: &str, name: &str) -> bool {
-    column
-        .trim_matches(['#', '"', ' '])
-        .eq_ignore_ascii_case(name)
-}
-
-/// Whether a column is a button's, by its name.
-pub(super) fn looks_pressed(column: &str) -> bool {
-    let column = column.to_ascii_lowercase();
-    BUTTONS.iter().any(|word| column.contains(word))
-}
-
 /// The column of a button.
 struct ButtonColumn<'o> {
     of: &'o MarkColumn,
@@ -72,7 +54,7 @@ fn button<'o>(
     rows: &[Line],
     options: &TableOptions,
 ) -> Result<ButtonColumn<'o>, TableFault> {
-    let is_it = |name: &str| is_column(name, &of.name);
+    let is_it = |name: &str| of.is_named(name);
     let given = options.columns.as_deref();
     let column = match given {
         Some(names) => names.split(',').position(is_it),

@@ -16,6 +16,25 @@ pub struct MarkColumn {
     pub level: Option<f64>,
 }
 
+/// Words in names of buttons.
+const BUTTONS: [&str; 9] = [
+    "trigger", "button", "grip", "squeeze", "thumb", "trackpad", "touchpad", "pinch", "press",
+];
+
+impl MarkColumn {
+    /// Whether a column has its name.
+    pub(super) fn is_named(&self, column: &str) -> bool {
+        let column = column.trim_matches(['#', '"', ' ']);
+        column.eq_ignore_ascii_case(&self.name)
+    }
+
+    /// Whether a column is a button's, by its name.
+    pub(super) fn may_be(column: &str) -> bool {
+        let column = column.to_ascii_lowercase();
+        BUTTONS.iter().any(|word| column.contains(word))
+    }
+}
+
 /// What a user says of a table; what is not said is read off its head, or guessed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TableOptions {

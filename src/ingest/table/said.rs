@@ -2,9 +2,8 @@
 //! for another.
 
 use super::axes::Preset;
-use super::buttons::{is_column, looks_pressed};
 use super::layout::{BodyColumns, Orientation, TableLayout};
-use super::poses::TableOptions;
+use super::poses::{MarkColumn, TableOptions};
 use super::turn::Turn;
 use super::units::{AngleUnit, length_name};
 use crate::motion::LengthUnit;
@@ -40,14 +39,14 @@ impl Said {
     ) {
         let is_button = |name: &&String| {
             let mut buttons = options.mark_columns.iter();
-            buttons.any(|of| is_column(name, &of.name))
+            buttons.any(|of| of.is_named(name))
         };
         let unread = layout.unread.iter().filter(|name| !is_button(name));
         let unread: Vec<String> = unread.cloned().collect();
         if unread.is_empty() {
             return;
         }
-        let buttons = unread.iter().filter(|name| looks_pressed(name));
+        let buttons = unread.iter().filter(|name| MarkColumn::may_be(name));
         let buttons: Vec<String> = buttons.cloned().collect();
         let as_marks = match &buttons[..] {
             [] => String::new(),

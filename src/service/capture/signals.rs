@@ -3,26 +3,36 @@
 use std::io;
 
 #[cfg(unix)]
-use tokio::signal::unix::{Signal, SignalKind, signal};
+use tokio::signal::unix::{
+    Signal as Hangup, Signal as Interrupt, Signal as Terminate, SignalKind, signal,
+};
 #[cfg(windows)]
-use tokio::signal::windows::{CtrlBreak, CtrlC, CtrlClose, ctrl_break, ctrl_c, ctrl_close};
+use tokio::signal::windows::{
+    CtrlBreak as Terminate, CtrlC as Interrupt, CtrlClose as Hangup, ctrl_break, ctrl_c, ctrl_close,
+};
 
 /// Signals from now on.
-#[cfg(unix)]
 pub(super) struct EndSignals {
-    terminate: Signal,
-    interrupt: Signal,
-    hangup: Signal,
+    terminate: Terminate,
+    interrupt: Interrupt,
+    hangup: Hangup,
 }
 
-#[cfg(unix)]
 impl EndSignals {
     pub(super) fn begin() -> io::Result<Self> {
-        Ok(Self {
+        #[cfg(unix)]
+        let signals = Self {
             terminate: signal(SignalKind::terminate())?,
             interrupt: signal(SignalKind::interrupt())?,
             hangup: signal(SignalKind::hangup())?,
-        })
+        };
+        #[cfg(windows)]
+        let signals = Self {
+            terminate: ctrl_break()?,
+            interrupt: ctrl_c()?,
+            hangup: ctrl_close()?,
+        };
+        Ok(signals)
     }
 
     /// The next one; whether it may be a second one. A terminal that is closed may say so twice.
@@ -31,34 +41,6 @@ impl EndSignals {
             _ = self.terminate.recv() => true,
             _ = self.interrupt.recv() => true,
             _ = self.hangup.recv() => false,
-        }
-    }
-}
-
-/// Signals from now on.
-#[cfg(windows)]
-pub(super) struct EndSignals {
-    interrupt: CtrlC,
-    end: CtrlBreak,
-    close: CtrlClose,
-}
-
-#[cfg(windows)]
-impl EndSignals {
-    pub(super) fn begin() -> io::Result<Self> {
-        Ok(Self {
-            interrupt: ctrl_c()?,
-            end: ctrl_break()?,
-            close: ctrl_close()?,
-        })
-    }
-
-    /// The next one; whether it may be a second one. A terminal that is closed may say so twice.
-    pub(super) async fn next(&mut self) -> bool {
-        tokio::select! {
-            _ = self.interrupt.recv() => true,
-            _ = self.end.recv() => true,
-            _ = self.close.recv() => false,
         }
     }
 }

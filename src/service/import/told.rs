@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 
 use super::names::Named;
-use super::tracked::tracked;
+use super::tracked::{ToldTracker, tracked};
 use crate::ingest::table::{Preset, length_name};
 use crate::motion::{Fall, Holds, LengthUnit, PoseSample, Scene, Timing, falls};
 
@@ -101,7 +101,9 @@ pub(super) fn told(named: &Named, samples: &[&PoseSample], scene: Option<&Scene>
     told.against.extend(of_name(&named.body.against));
     told.notes.extend(of_name(&named.body.notes));
     rate(samples, &mut told);
-    tracked(name, samples, &mut told);
+    let ToldTracker { notes, against } = tracked(name, samples, told.rate_hz);
+    told.notes.extend(notes);
+    told.against.extend(against);
     if samples.iter().any(|sample| sample.holds == Holds::Pose) {
         norms(name, samples, &mut told);
     }

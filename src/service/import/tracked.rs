@@ -1,6 +1,5 @@
 //! What paths tell of the tracker: readings that are missing, jumps, and poses that are the very one before.
 
-use super::told::ToldImport;
 use crate::ingest::table::{held_poses, rounded_m};
 use crate::motion::PoseSample;
 
@@ -21,11 +20,22 @@ const HELD_SHARE: f64 = 0.3;
 /// No hand stays within the step of a rounding for longer \[s\].
 const STILL_S: f64 = 0.5;
 
-/// Says what the samples of a body tell of its tracker, which are in order of time.
-pub(super) fn tracked(name: &str, samples: &[&PoseSample], told: &mut ToldImport) {
-    gaps(name, samples, told);
-    jumps(name, samples, told);
-    held(name, samples, told);
+/// What a path tells of its tracker.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ToldTracker {
+    pub(super) notes: Vec<String>,
+    pub(super) against: Vec<String>,
+}
+
+/// What the samples of a body tell of its tracker, which are in order of time; so many a second are usual.
+pub(super) fn tracked(name: &str, samples: &[&PoseSample], rate_hz: Option<f64>) -> ToldTracker {
+    let mut told = ToldTracker::default();
+    if let Some(rate_hz) = rate_hz {
+        gaps(name, samples, 1.0 / rate_hz, &mut told);
+    }
+    jumps(name, samples, &mut told);
+    held(name, samples, &mut told);
+    told
 }
 
 /// Time of a sample since the first one \[s\].
@@ -34,10 +44,7 @@ fn time_s(samples: &[&PoseSample], at: usize) -> f64 {
 }
 
 /// Readings that are missing, by intervals that are longer than usual.
-fn gaps(name: &str, samples: &[&PoseSample], told: &mut ToldImport) {
-    let Some(usual_s) = told.rate_hz.map(|rate_hz| 1.0 / rate_hz) else {
-        return;
-    };
+fn gaps(name: &str, samples: &[&PoseSample], usual_s: f64, told: &mut ToldTracker) {
     let interval_s = |at: usize| time_s(samples, at + 1) - time_s(samples, at);
     let long: Vec<usize> = (0..samples.len().saturating_sub(1))
         .filter(|at| interval_s(*at) > GAP * usual_s)
@@ -62,7 +69,7 @@ fn gaps(name: &str, samples: &[&PoseSample], told: &mut ToldImport) {
 }
 
 /// Steps that no hand makes: the tracker has found it anew elsewhere.
-fn jumps(name: &str, samples: &[&PoseSample], told: &mut ToldImport) {
+fn jumps(name: &str, samples: &[&PoseSample], told: &mut ToldTracker) {
     let step_m = |at: usize| (samples[at + 1].position_m - samples[at].position_m).norm();
     let steps: Vec<usize> = (0..samples.len().saturating_sub(1))
         .filter(|at| samples[*at].stamp < samples[at + 1].stamp)
@@ -90,7 +97,7 @@ fn jumps(name: &str, samples: &[&PoseSample], told: &mut ToldImport) {
 }
 
 /// What poses tell that are the very one before.
-fn held(name: &str, samples: &[&PoseSample], told: &mut ToldImport) {
+fn held(name: &str, samples: &[&PoseSample], told: &mut ToldTracker) {
     let held = held_poses(samples);
     if held.count == 0 {
         return;

@@ -140,7 +140,7 @@ impl CalibratedSoFar {
             kind: self.kind(wish)?,
         };
         let found = calibrate(&job)?;
-        let keys = toml::to_string(&found.calibration.scene)?;
+        let keys = keys_of(&found.toml);
         // What something speaks against is shown, and made anew.
         let is_good = found.calibration.against.is_empty() && found.lost.is_empty();
         let scene = recordings[0].with_extension(format!("{name}.scene.toml"));
@@ -197,4 +197,17 @@ impl CalibratedSoFar {
             },
         })
     }
+}
+
+/// The keys for a scene in the text of a calibration, which ends with them.
+fn keys_of(toml: &str) -> String {
+    let is_key = |line: &&str| line.starts_with("[scene.") || line.starts_with("[[scene.");
+    let lines = toml.lines().skip_while(|line| !is_key(line));
+    let keys: Vec<String> = lines
+        .map(|line| match is_key(&line) {
+            true => line.replacen("scene.", "", 1),
+            false => line.to_owned(),
+        })
+        .collect();
+    keys.join("\n")
 }

@@ -7,7 +7,6 @@ use super::super::event::Status;
 use super::super::history::TakeLine;
 use crate::ingest::live::{StreamTopic, Token};
 use crate::motion::{PoseSample, Scene, Stamp};
-use crate::physics::contact::Feature;
 use crate::service::provenance::scene_provenance;
 use crate::write::export::{ExportedBody, Key, glb};
 use crate::write::show::tracker_mount;
@@ -45,9 +44,10 @@ impl Greeting {
                 let mount = tracker_mount(scene, of.track);
                 let link = scene.link_seen_by(of.track);
                 // What is round touches elsewhere, wherever it is turned.
-                let is_tip =
-                    |of: &Feature| matches!(of, Feature::Point { radius_m, .. } if *radius_m == 0.0);
-                let tips = link.features.iter().filter(|of| is_tip(&of.geometry));
+                let tips = link.features.iter().filter(|of| {
+                    let (_, radius_m) = of.geometry.skeleton_m(&of.geometry.place_m());
+                    of.geometry.kind() == "point" && radius_m == 0.0
+                });
                 ActedStream {
                     topic: of.topic.clone(),
                     body: link.name.clone(),
