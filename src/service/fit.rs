@@ -1,6 +1,7 @@
 //! One answer from many takes: reads each, asks it what it says of what all share until the answer stands, and tells it.
 
 mod apart;
+mod begun;
 mod block;
 mod blocks;
 mod job;
@@ -18,17 +19,17 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::output::refuse_present;
-use super::working::Working;
 use crate::jointly::{JointParameter, JointSearch, SearchTurn};
 use crate::motion::TakeShare;
 
 pub use self::apart::{JoinedBlocks, join, reduce};
+use self::begun::begun;
 pub use self::block::{FitQuestion, TakeBlock};
 pub use self::blocks::{ReduceJob, ReducedLine, SolveJob, reduce_files, solve_files};
 pub use self::job::{FitInput, FitJob, FitStop, HoldOut};
 use self::members::{agreed, in_order};
 pub use self::names::AskedNames;
-use self::take::{Member, NEARER, UsualResidual, far};
+use self::take::{Member, UsualResidual};
 use self::tell::{ToldFit, no_optimum};
 pub use self::written::FittedTakes;
 use self::written::written;
@@ -38,9 +39,6 @@ const AGAIN: usize = 4;
 
 /// Why a fit that was told to end has no answer.
 const STOPPED: &str = "it was told to end before it had an answer";
-
-/// How many takes are asked from where to begin.
-const SOME: usize = 32;
 
 /// Finds what takes share. The answer is the same for any order of the files and any number of threads.
 ///
@@ -65,7 +63,6 @@ pub fn fit(job: &FitJob) -> anyhow::Result<FittedTakes> {
 
 /// All inputs, in the order of their contents, so that sums have one order.
 fn read(job: &FitJob, names: &AskedNames) -> anyhow::Result<Vec<Member>> {
-    let working = Working::of(job.inputs.len());
     let listed = match &job.hold_out {
         Some(HoldOut::Files(files)) => &files[..],
         _ => &[],
@@ -76,16 +73,7 @@ fn read(job: &FitJob, names: &AskedNames) -> anyhow::Result<Vec<Member>> {
     let members: Vec<Member> = inputs
         .par_iter()
         .enumerate()
-        .map(|(place, input)| {
-            let mut member = Member::read(place, input, job.scene.as_deref(), names);
-            if let Ok(asked) = &mut member.asked
-                && !job.stop.is_set()
-            {
-                asked.find();
-            }
-            working.done();
-            member
-        })
+        .map(|(place, input)| Member::read(place, input, job.scene.as_deref(), names))
         .collect();
     Ok(in_order(members))
 }
@@ -130,103 +118,28 @@ fn solved(
     members: &mut [Member],
     stop: &FitStop,
 ) -> anyhow::Result<(JointSearch, Vec<Option<TakeShare>>)> {
-    let own: Vec<Option<TakeShare>> = members
-        .par_iter_mut()
-        .map(|member| member.fitting()?.own())
-        .collect();
-    ensure!(!stop.is_set(), STOPPED);
-    let own = begun_lesser(&parameters, own, members);
+    let own = begun(&parameters, members, stop)?;
     let mut joint = JointSearch::new(parameters, &own);
-    joint.look(&asked(&joint, members));
+    let all = vec![true; members.len()];
+    let shares = settled(&mut joint, members, &all, stop)?;
+    Ok((joint, shares))
+}
+
+/// The optimum of those that are asked, in which none is nearer to its samples from there on; what they say there.
+fn settled(
+    joint: &mut JointSearch,
+    members: &mut [Member],
+    is_asked: &[bool],
+    stop: &FitStop,
+) -> anyhow::Result<Vec<Option<TakeShare>>> {
+    joint.look(&asked(joint, members));
     for round in 0..=AGAIN {
-        let shares = searched(&mut joint, members, stop)?;
-        if round == AGAIN || !tried_again(&mut joint, &shares, members) {
-            return Ok((joint, shares));
+        let shares = searched(joint, members, stop)?;
+        if round == AGAIN || !tried_again(joint, &shares, members, is_asked) {
+            return Ok(shares);
         }
     }
     unreachable!("the last round returns")
-}
-
-/// Finds motions anew from lesser values of a parameter of which most takes by themselves tell nothing, as of friction where
-/// they stick: what is wrong of it is then blamed on others. That is done of takes that are farther from their samples than
-/// others, and of some; of all, where most of these come nearer. Each keeps the motion that is nearest.
-fn begun_lesser(
-    parameters: &[JointParameter],
-    mut own: Vec<Option<TakeShare>>,
-    members: &mut [Member],
-) -> Vec<Option<TakeShare>> {
-    for (at, parameter) in parameters.iter().enumerate() {
-        let untold = own
-            .iter()
-            .flatten()
-            .filter(|of| parameter.is_untold_by(of, at));
-        if 2 * untold.count() <= own.iter().flatten().count() {
-            continue;
-        }
-        let (usual, some) = (UsualResidual::of(&own), evenly(&own));
-        let is_far = own
-            .iter()
-            .map(|of| of.as_ref().is_none_or(|of| usual.is_far(of)));
-        let asked: Vec<bool> = is_far.zip(&some).map(|(far, some)| far || *some).collect();
-        let as_found: Vec<Option<f64>> = own.iter().map(|of| of.as_ref().map(far)).collect();
-        let gains = parameter.lesser().into_iter().map(|value| {
-            let there = begun(members, &mut own, &asked, (at, value));
-            let gains = as_found.iter().zip(there).zip(&some);
-            let gains = gains.filter_map(|((here, there), some)| some.then_some((*here)? - there?));
-            (median(gains.collect()), value)
-        });
-        let gains: Vec<(f64, f64)> = gains.collect();
-        let best = gains.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((_, value)) = best.filter(|(gain, _)| *gain > NEARER) {
-            let others: Vec<bool> = asked.iter().map(|asked| !asked).collect();
-            begun(members, &mut own, &others, (at, value));
-        }
-    }
-    own
-}
-
-/// Up to [`SOME`] of the takes that say something, evenly spread.
-fn evenly(own: &[Option<TakeShare>]) -> Vec<bool> {
-    let count = own.iter().flatten().count();
-    let mut number = 0;
-    let each = own.iter().map(|share| {
-        if share.is_none() {
-            return false;
-        }
-        number += 1;
-        let upto = |number: usize| number * SOME.min(count) / count;
-        upto(number) > upto(number - 1)
-    });
-    each.collect()
-}
-
-/// Finds motions of takes that are asked from another value of one of the parameters on, and keeps those that are nearer; how far
-/// each is.
-fn begun(
-    members: &mut [Member],
-    own: &mut [Option<TakeShare>],
-    asked: &[bool],
-    (at, value): (usize, f64),
-) -> Vec<Option<f64>> {
-    members
-        .par_iter_mut()
-        .zip(own)
-        .zip(asked)
-        .map(|((member, own), is_asked)| {
-            let asked = member.fitting().filter(|_| *is_asked)?;
-            let (motion, share) = asked.begun(at, value)?;
-            let there = far(&share);
-            if own.as_ref().is_none_or(|own| there < far(own) - NEARER) {
-                (asked.motion, *own) = (Ok(motion), Some(share));
-            }
-            Some(there)
-        })
-        .collect()
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// What each take says where it is asked.
@@ -263,16 +176,17 @@ fn tried_again(
     joint: &mut JointSearch,
     shares: &[Option<TakeShare>],
     members: &mut [Member],
+    is_asked: &[bool],
 ) -> bool {
     let usual = UsualResidual::of(shares);
     let asked = &*joint;
     let found: Vec<Option<DVector<f64>>> = members
         .par_iter_mut()
-        .zip(shares)
+        .zip(shares.par_iter().zip(is_asked))
         .enumerate()
-        .map(|(take, (member, share))| {
+        .map(|(take, (member, (share, is_asked)))| {
             let is_far = share.as_ref().is_none_or(|share| usual.is_far(share));
-            if !is_far {
+            if !is_asked || !is_far {
                 return None;
             }
             let values = match share {

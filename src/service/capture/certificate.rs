@@ -2,13 +2,13 @@
 //! to HTTPS alone; nobody signs for a machine in a studio, so that it signs itself, once: who has looked at its
 //! fingerprint knows it again.
 
-use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::net::{IpAddr, Ipv4Addr, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
+use tempfile::NamedTempFile;
 use tokio_rustls::TlsAcceptor;
 use tokio_rustls::rustls::ServerConfig;
 use tokio_rustls::rustls::crypto::ring::default_provider;
@@ -75,18 +75,13 @@ fn make(path: &Path) -> anyhow::Result<()> {
     let names = vec!["localhost".to_owned(), own_address().to_string()];
     let made = rcgen::generate_simple_self_signed(names)?;
     let text = format!("{}{}", made.cert.pem(), made.signing_key.serialize_pem());
-    let mut open = OpenOptions::new();
-    open.write(true).create_new(true);
-    #[cfg(unix)]
-    std::os::unix::fs::OpenOptionsExt::mode(&mut open, 0o600);
-    let file: Result<File, _> = open.open(path);
-    match file {
-        Err(error) if error.kind() == ErrorKind::AlreadyExists => Ok(()),
-        file => {
-            let mut file = file?;
-            file.write_all(text.as_bytes())?;
-            Ok(file.sync_all()?)
-        }
+    // Whole or not at all, and readable by the user alone where files have modes.
+    let mut file = NamedTempFile::new_in(path.parent().unwrap_or(Path::new(".")))?;
+    file.write_all(text.as_bytes())?;
+    file.as_file().sync_all()?;
+    match file.persist_noclobber(path) {
+        Err(error) if error.error.kind() != ErrorKind::AlreadyExists => Err(error.error.into()),
+        _ => Ok(()),
     }
 }
 

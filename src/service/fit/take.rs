@@ -228,6 +228,25 @@ impl AskedTake {
         self.at(&values)
     }
 
+    /// Its motion found with what is shared held at values that others tell, and what it says there; from where its scene begins
+    /// where there are none, or it has no motion there.
+    pub(super) fn begun_at(&mut self, values: Option<&DVector<f64>>) -> Option<TakeShare> {
+        if let Some((scene, placed)) = values.and_then(|values| self.scene_at(values)) {
+            let (parameters, held) = (&self.parameters, &self.parameters[..self.shared]);
+            let pipeline = self.pipeline(&scene);
+            let found = guarded(|| Ok(pipeline.shared_held(parameters, held, &mut ())?));
+            if let Ok(mut motion) = found {
+                let there = motion.values() + &placed;
+                if let Some(share) = share(&mut motion, &there, &placed) {
+                    (self.motion, self.placed) = (Ok(motion), placed);
+                    return Some(share);
+                }
+            }
+        }
+        self.find();
+        self.own()
+    }
+
     /// Its motion found from another value of one of the parameters on, with what it says at its own values then.
     pub(super) fn begun(&self, at: usize, value: f64) -> Option<(SharedTake, TakeShare)> {
         let mut scene = self.scene.clone();
