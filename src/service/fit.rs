@@ -8,18 +8,18 @@ mod job;
 mod keys;
 mod members;
 mod names;
+mod search;
 mod take;
 mod tell;
 mod written;
 
 use std::path::PathBuf;
 
-use anyhow::ensure;
-use nalgebra::DVector;
+use anyhow::{bail, ensure};
 use rayon::prelude::*;
 
 use super::output::refuse_present;
-use crate::jointly::{JointParameter, JointSearch, SearchTurn};
+use crate::jointly::{JointParameter, JointSearch};
 use crate::motion::TakeShare;
 
 pub use self::apart::{JoinedBlocks, join, reduce};
@@ -29,16 +29,11 @@ pub use self::blocks::{ReduceJob, ReducedLine, SolveJob, reduce_files, solve_fil
 pub use self::job::{FitInput, FitJob, FitStop, HoldOut};
 use self::members::{agreed, in_order};
 pub use self::names::AskedNames;
-use self::take::{Member, UsualResidual};
-use self::tell::{ToldFit, no_optimum};
+use self::search::{STOPPED, settled};
+use self::take::Member;
+use self::tell::ToldFit;
 pub use self::written::FittedTakes;
 use self::written::written;
-
-/// Greatest number of times that takes which had no motion, or are far from it, are tried from the answer on.
-const AGAIN: usize = 4;
-
-/// Why a fit that was told to end has no answer.
-const STOPPED: &str = "it was told to end before it had an answer";
 
 /// Finds what takes share. The answer is the same for any order of the files and any number of threads.
 ///
@@ -119,90 +114,19 @@ fn solved(
     stop: &FitStop,
 ) -> anyhow::Result<(JointSearch, Vec<Option<TakeShare>>)> {
     let own = begun(&parameters, members, stop)?;
+    if own.iter().all(Option::is_none) {
+        let mut fitted = members.iter().filter(|of| !of.is_held_out);
+        let why =
+            fitted.find_map(|of| Some((&of.file, of.asked.as_ref().ok()?.motion.as_ref().err()?)));
+        bail!(
+            "no take has a motion that can be asked{}",
+            why.map_or(String::new(), |(file, why)| format!(": {file}: {why}"))
+        );
+    }
     let mut joint = JointSearch::new(parameters, &own);
     let all = vec![true; members.len()];
     let shares = settled(&mut joint, members, &all, stop)?;
     Ok((joint, shares))
-}
-
-/// The optimum of those that are asked, in which none is nearer to its samples from there on; what they say there.
-fn settled(
-    joint: &mut JointSearch,
-    members: &mut [Member],
-    is_asked: &[bool],
-    stop: &FitStop,
-) -> anyhow::Result<Vec<Option<TakeShare>>> {
-    joint.look(&asked(joint, members));
-    for round in 0..=AGAIN {
-        let shares = searched(joint, members, stop)?;
-        if round == AGAIN || !tried_again(joint, &shares, members, is_asked) {
-            return Ok(shares);
-        }
-    }
-    unreachable!("the last round returns")
-}
-
-/// What each take says where it is asked.
-fn asked(joint: &JointSearch, members: &mut [Member]) -> Vec<Option<TakeShare>> {
-    members
-        .par_iter_mut()
-        .enumerate()
-        .map(|(take, member)| match joint.is_taking_part(take) {
-            true => member.fitting()?.at(&joint.asked(take)),
-            false => None,
-        })
-        .collect()
-}
-
-fn searched(
-    joint: &mut JointSearch,
-    members: &mut [Member],
-    stop: &FitStop,
-) -> anyhow::Result<Vec<Option<TakeShare>>> {
-    loop {
-        ensure!(!stop.is_set(), STOPPED);
-        let shares = asked(joint, members);
-        match joint.turn(&shares) {
-            SearchTurn::Again => {}
-            SearchTurn::Found => return Ok(shares),
-            SearchTurn::Lost => return no_optimum(joint),
-        }
-    }
-}
-
-/// Finds motions anew from the answer on of takes that had none, or that are farther from it than others: they may be near
-/// another optimum of their own. Whether any is better.
-fn tried_again(
-    joint: &mut JointSearch,
-    shares: &[Option<TakeShare>],
-    members: &mut [Member],
-    is_asked: &[bool],
-) -> bool {
-    let usual = UsualResidual::of(shares);
-    let asked = &*joint;
-    let found: Vec<Option<DVector<f64>>> = members
-        .par_iter_mut()
-        .zip(shares.par_iter().zip(is_asked))
-        .enumerate()
-        .map(|(take, (member, (share, is_asked)))| {
-            let is_far = share.as_ref().is_none_or(|share| usual.is_far(share));
-            if !is_asked || !is_far {
-                return None;
-            }
-            let values = match share {
-                Some(_) => asked.asked(take),
-                None => asked.values(),
-            };
-            member.fitting()?.again(&values)
-        })
-        .collect();
-    let is_any = found.iter().any(Option::is_some);
-    for (take, there) in found.into_iter().enumerate() {
-        if let Some(there) = there {
-            joint.take_in(take, &there);
-        }
-    }
-    is_any
 }
 
 /// Of which takes that take part the motion at the answer does not explain the samples.

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use enact::config::{scene_from_toml, share};
 use enact::pipeline::Pipeline;
+use enact_tools::beside::Beside;
+use enact_tools::perform::recording::write_events_of;
 use enact_tools::trees::{self, Jointed, Kind, TreeActing, TreePerformance};
 use tempfile::TempDir;
 
@@ -64,8 +66,9 @@ fn gradient_and_curvature_of_a_share_are_those_of_differences() {
         for (other, change) in change.iter().enumerate() {
             let of = share.curvature[(other, at)];
             let size = (share.curvature[(at, at)] * share.curvature[(other, other)]).sqrt();
+            // Second derivatives of a motion are those of a coarse reading of it.
             assert!(
-                (change - of).abs() <= 1e-2 * size,
+                (change - of).abs() <= 3e-2 * size,
                 "{at} {other}: {change} {of} {size}"
             );
         }
@@ -108,12 +111,16 @@ fn takes_of_a_pendulum_tell_gravity_and_where_its_joint_is() {
 #[test]
 fn joined_bodies_and_others_apart_from_them_are_refused_by_name() {
     let folder = TempDir::new().expect("folder");
-    let files = written(folder.path(), 2, 8330, |scene| {
-        let ball = "[[body]]\nname = \"ball\"\nshape = { kind = \"sphere\", radius_mm = 20 }\nmass_g = 50\n";
-        let (before, events) = scene.split_once("\n[[event]]").expect("events");
-        format!("{before}\n{ball}\n[[event]]{events}")
+    let files = [8520, 8521].map(|seed| {
+        let of = Beside::of(seed);
+        let toml = of.toml("", "");
+        let scene = scene_from_toml(&toml).expect("a scene");
+        let path = folder.path().join(format!("take_{seed}.mcap"));
+        write_events_of(&scene, &toml, &of.take(), &path).expect("a recording");
+        path
     });
-    let output = fit(folder.path(), 1, &words(&files, &["--shared", "gravity.z"]));
+    let asked = ["--shared", "bounce.restitution"];
+    let output = fit(folder.path(), 1, &words(&files, &asked));
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.contains("others that move apart from them"), "{said}");

@@ -5,8 +5,8 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::job::FitStop;
+use super::search::{STOPPED, settled};
 use super::take::{Member, NEARER, far};
-use super::{STOPPED, settled};
 use crate::jointly::{JointParameter, JointSearch};
 use crate::motion::TakeShare;
 use crate::service::working::Working;

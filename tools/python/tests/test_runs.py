@@ -115,8 +115,10 @@ def test_a_deadline_ends_a_run_and_says_so(recordings):
 
 
 SCRIPT = """
-import sys, threading, time
+import signal, sys, threading, time
 import enact_motion
+# A shell that runs it in the background has it ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 take = enact_motion.read(sys.argv[1])
 print("ready", flush=True)
 begun = time.monotonic()
