@@ -34,7 +34,7 @@ pub(super) fn begun(
     if is_some.iter().all(|is| *is) {
         return Ok(own);
     }
-    let values = answer(parameters, members, (&own, &is_some), stop)?;
+    let values = answer(parameters, members, &own, &is_some, stop)?;
     let is_other: Vec<bool> = is_some.iter().map(|is| !is).collect();
     let others = of_each(members, &is_other, |member| {
         let asked = member.fitting().filter(|_| !stop.is_set())?;
@@ -53,7 +53,8 @@ pub(super) fn begun(
 fn answer(
     parameters: &[JointParameter],
     members: &mut [Member],
-    (own, is_asked): (&[Option<TakeShare>], &[bool]),
+    own: &[Option<TakeShare>],
+    is_asked: &[bool],
     stop: &FitStop,
 ) -> anyhow::Result<Option<DVector<f64>>> {
     if own.iter().all(Option::is_none) {
