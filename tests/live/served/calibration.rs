@@ -193,6 +193,8 @@ fn a_page_calibrates_mount_and_table_step_by_step() {
     let mut page = CalibratingPage::new(&url, &code(&daemon));
 
     let up = page.take(&mut daemon, 3.0, &[], |_| standing(Vector3::z()));
+    // As the page does: of one side, then of both.
+    page.found(json!({"step": "rest", "takes": [up], "stands": ["+z"]}));
     let side = page.take(&mut daemon, 3.0, &[], |_| standing(Vector3::x()));
     page.found(json!({"step": "rest", "takes": [up, side], "stands": ["+z", "+x"]}));
     let swung = page.take(&mut daemon, 8.0, &[], swinging);

@@ -124,11 +124,13 @@ impl CalibratedSoFar {
                 topics.len()
             );
         };
-        if recordings.is_empty() || recordings.len() > TAKES {
+        // A step that is made again has one take more, whose name no calibration has yet.
+        let newest = recordings.last().filter(|_| recordings.len() <= TAKES);
+        let Some(newest) = newest else {
             bail!("{} takes, expected 1 to {TAKES}", recordings.len());
-        }
+        };
         let name = wish.step.name();
-        let file = recordings[0].with_extension(format!("{name}.toml"));
+        let file = newest.with_extension(format!("{name}.toml"));
         let job = CalibrateJob {
             inputs: recordings.clone(),
             output: Some(file.clone()),
@@ -143,7 +145,7 @@ impl CalibratedSoFar {
         let keys = keys_of(&found.toml);
         // What something speaks against is shown, and made anew.
         let is_good = found.calibration.against.is_empty() && found.lost.is_empty();
-        let scene = recordings[0].with_extension(format!("{name}.scene.toml"));
+        let scene = newest.with_extension(format!("{name}.scene.toml"));
         if is_good && !keys.is_empty() {
             let of = [(
                 crate::service::provenance::file_name(&file),
