@@ -27,7 +27,7 @@ use self::begun::begun;
 pub use self::block::{FitQuestion, TakeBlock};
 pub use self::blocks::{ReduceJob, ReducedLine, SolveJob, reduce_files, solve_files};
 pub use self::job::{FitInput, FitJob, FitStop, HoldOut};
-use self::members::{agreed, in_order};
+use self::members::{agreed, evenly, in_order};
 pub use self::names::AskedNames;
 use self::search::{STOPPED, settled};
 use self::take::Member;
@@ -82,16 +82,8 @@ fn hold_out(job: &FitJob, members: &[Member]) -> anyhow::Result<Vec<bool>> {
             members.iter().map(is_listed).collect()
         }
         Some(HoldOut::Share(share)) => {
-            let mut next = 0_usize;
-            let each = members.iter().map(|of| {
-                if of.asked.is_err() {
-                    return false;
-                }
-                next += 1;
-                let before = ((next - 1) as f64 * share).floor();
-                (next as f64 * share).floor() > before
-            });
-            each.collect()
+            let upto = |number: usize| (number as f64 * share).floor() as usize;
+            evenly(members.iter().map(|of| of.asked.is_ok()), upto)
         }
     };
     if job.hold_out.is_some() {

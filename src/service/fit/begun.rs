@@ -5,6 +5,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::job::FitStop;
+use super::members::evenly;
 use super::search::{STOPPED, settled};
 use super::take::{Member, NEARER, far};
 use crate::jointly::{JointParameter, JointSearch};
@@ -20,8 +21,15 @@ pub(super) fn begun(
     members: &mut [Member],
     stop: &FitStop,
 ) -> anyhow::Result<Vec<Option<TakeShare>>> {
-    let working = Working::of(members.len());
-    let is_some = evenly(members);
+    let are_fitted: Vec<bool> = members
+        .iter_mut()
+        .map(|of| of.fitting().is_some())
+        .collect();
+    let count = are_fitted.iter().filter(|is| **is).count();
+    let working = Working::of(count);
+    // Up to so many of those that are to be fitted.
+    let upto = |number: usize| number * SOME.min(count) / count;
+    let is_some = evenly(are_fitted, upto);
     let mut own: Vec<Option<TakeShare>> = of_each(members, &is_some, |member| {
         let asked = member.fitting().filter(|_| !stop.is_set())?;
         asked.find();
@@ -31,7 +39,7 @@ pub(super) fn begun(
     });
     ensure!(!stop.is_set(), STOPPED);
     begun_lesser(parameters, members, &mut own);
-    if is_some.iter().all(|is| *is) {
+    if count <= SOME {
         return Ok(own);
     }
     let values = answer(parameters, members, &own, &is_some, stop)?;
@@ -64,25 +72,6 @@ fn answer(
     let found = settled(&mut joint, members, is_asked, stop);
     ensure!(!stop.is_set(), STOPPED);
     Ok(found.is_ok().then(|| joint.values()))
-}
-
-/// Up to [`SOME`] of the takes that are to be fitted, evenly spread.
-fn evenly(members: &mut [Member]) -> Vec<bool> {
-    let is_fitting: Vec<bool> = members
-        .iter_mut()
-        .map(|of| of.fitting().is_some())
-        .collect();
-    let count = is_fitting.iter().filter(|is| **is).count();
-    let mut number = 0;
-    let each = is_fitting.into_iter().map(|is_fitting| {
-        if !is_fitting {
-            return true;
-        }
-        number += 1;
-        let upto = |number: usize| number * SOME.min(count) / count;
-        upto(number) > upto(number - 1)
-    });
-    each.collect()
 }
 
 fn of_each<T: Send>(

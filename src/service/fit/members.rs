@@ -58,3 +58,16 @@ pub(super) fn agreed(
     };
     Ok(parameters)
 }
+
+/// Which of takes that are asked, evenly spread in their order: of the first `n` of them `upto(n)`.
+pub(super) fn evenly(
+    are_asked: impl IntoIterator<Item = bool>,
+    upto: impl Fn(usize) -> usize,
+) -> Vec<bool> {
+    let mut number = 0;
+    let each = are_asked.into_iter().map(|is_asked| {
+        number += usize::from(is_asked);
+        is_asked && upto(number) > upto(number - 1)
+    });
+    each.collect()
+}

@@ -215,6 +215,16 @@ impl AskedTake {
         Pipeline::of(scene.clone(), self.events.iter().cloned())
     }
 
+    /// Its motion with some of what is asked held where the scene begins.
+    fn held(&self, pipeline: &Pipeline, held: &[usize]) -> anyhow::Result<SharedTake> {
+        guarded(|| Ok(pipeline.shared_held(&self.parameters, held, &mut ())?))
+    }
+
+    /// Places of what is shared.
+    fn shared(&self) -> &[usize] {
+        &self.parameters[..self.shared]
+    }
+
     /// Finds its motion at its own values.
     pub(super) fn find(&mut self) {
         let pipeline = self.pipeline(&self.scene);
@@ -231,16 +241,13 @@ impl AskedTake {
     /// Its motion found with what is shared held at values that others tell, and what it says there; from where its scene begins
     /// where there are none, or it has no motion there.
     pub(super) fn begun_at(&mut self, values: Option<&DVector<f64>>) -> Option<TakeShare> {
-        if let Some((scene, placed)) = values.and_then(|values| self.scene_at(values)) {
-            let (parameters, held) = (&self.parameters, &self.parameters[..self.shared]);
-            let pipeline = self.pipeline(&scene);
-            let found = guarded(|| Ok(pipeline.shared_held(parameters, held, &mut ())?));
-            if let Ok(mut motion) = found {
-                let there = motion.values() + &placed;
-                if let Some(share) = share(&mut motion, &there, &placed) {
-                    (self.motion, self.placed) = (Ok(motion), placed);
-                    return Some(share);
-                }
+        if let Some((scene, placed)) = values.and_then(|values| self.scene_at(values))
+            && let Ok(mut motion) = self.held(&self.pipeline(&scene), self.shared())
+        {
+            let there = motion.values() + &placed;
+            if let Some(share) = share(&mut motion, &there, &placed) {
+                (self.motion, self.placed) = (Ok(motion), placed);
+                return Some(share);
             }
         }
         self.find();
@@ -270,10 +277,8 @@ impl AskedTake {
     pub(super) fn again(&mut self, values: &DVector<f64>) -> Option<DVector<f64>> {
         let (scene, placed) = self.scene_at(values)?;
         let pipeline = self.pipeline(&scene);
-        let (parameters, held) = (&self.parameters, &self.parameters[..self.shared]);
-        let ways = [held, &[]].into_iter().filter_map(|held| {
-            let found = guarded(|| Ok(pipeline.shared_held(parameters, held, &mut ())?));
-            let mut motion = found.ok()?;
+        let ways = [self.shared(), &[]].into_iter().filter_map(|held| {
+            let mut motion = self.held(&pipeline, held).ok()?;
             // What is drawn is its own.
             let mut there = motion.values() + &placed;
             let shared = values.rows(0, self.shared);
@@ -298,9 +303,7 @@ impl AskedTake {
         let Some((scene, _)) = self.scene_at(values) else {
             return true;
         };
-        let (parameters, held) = (&self.parameters, &self.parameters[..self.shared]);
-        let pipeline = self.pipeline(&scene);
-        let found = guarded(|| Ok(pipeline.shared_held(parameters, held, &mut ())?));
+        let found = self.held(&self.pipeline(&scene), self.shared());
         found.map_or(true, |mut motion| is_said(&mut motion))
     }
 
