@@ -217,7 +217,6 @@ async function play(of) {
   at("time").max = String(view.motion.duration);
   watch(true);
   view.render();
-  drawnMs = performance.now();
   if (ended?.take === of.take) {
     // The first motion, so far or checked.
     ended.motionMs ??= performance.now() - ended.atMs;
@@ -276,19 +275,6 @@ function reading(of, position, turn, deviceMs) {
   return { deviceMs, position: tracker.toArray(), quaternion: turn.clone().multiply(mount).toArray(), isValid: true };
 }
 
-/** While the daemon checks a take, a page beside it leaves it the processor: so often the page is drawn then [ms]. */
-const CHECKING_MS = 100;
-/** How long that may take [ms]. */
-const CHECKED_MS = 2000;
-let drawnMs = 0;
-
-/** Whether the page is not drawn now. */
-function isSpared(ms) {
-  const isChecking = take === null && ended !== null && ended.checkedMs === undefined
-    && performance.now() - ended.atMs < CHECKED_MS;
-  return isChecking && ms - drawnMs < CHECKING_MS;
-}
-
 view.renderer.setAnimationLoop((ms, frame) => {
   if (told && frame) headset.read(frame, ms);
   else if (told) {
@@ -304,8 +290,6 @@ view.renderer.setAnimationLoop((ms, frame) => {
     at("clock").textContent = `${view.motion.time.toFixed(2)} s`;
     at("play").textContent = view.isPlaying ? "Pause" : "Play";
   }
-  if (!frame && isSpared(ms)) return;
-  drawnMs = ms;
   view.render();
 });
 
