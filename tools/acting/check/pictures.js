@@ -49,6 +49,10 @@ export async function pictures({ browser, daemon, folder, enact }) {
       await calibration.page.click("#calibrate");
       await calibration.page.selectOption("#step", "plane");
       await calibration.page.waitForTimeout(200);
+      const [panel, help] = await Promise.all(
+        ["#calibration", "#help"].map((of) => calibration.page.locator(of).boundingBox()));
+      assert.ok(help === null || help.x + help.width <= panel.x, `the panel is over the help (${size})`);
+      assert.equal(help === null, size === "phone");
       await shoot(calibration, "calibration");
       const operator = await opened(browser, daemon.ready.page, how);
       await operator.page.waitForSelector("#last:not([hidden])");
