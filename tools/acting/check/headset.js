@@ -1,6 +1,6 @@
 // The headset path: iwer plays a recorded controller session, a throw with its buttons, through the page.
 import { join } from "node:path";
-import { accountOf, acting, assert, verdictOf } from "./page.js";
+import { accountOf, acting, assert, isPhysical, verdictOf, wellTaken } from "./page.js";
 import { SLOW, throwFrom } from "./throws.js";
 
 /** Frames a second of the recording, and what its numbers are rounded to, as iwer's recorder does. */
@@ -72,12 +72,8 @@ export async function actByHeadset({ browser, daemon, folder, home }) {
   }, recorded());
   const { take } = await daemon.wait("started", (of) => daemon.said.indexOf(of) >= before);
   const closed = await daemon.wait("closed", (of) => of.take === take);
-  const tracker = closed.counts.trackers[0];
-  assert.equal(closed.counts.marks.received, 2);
-  assert.equal(tracker.counts.missing, 0);
-  assert.equal(tracker.clock.source, "device");
+  wellTaken(closed);
   const estimated = await daemon.wait("estimated", (of) => of.take === take);
-  assert.equal(estimated.report.verdict, "physical");
   const came = await verdictOf(page, take);
   await page.waitForTimeout(300);
   const path = join(folder, "headset.png");
@@ -91,5 +87,6 @@ export async function actByHeadset({ browser, daemon, folder, home }) {
 
 export async function headsetTake(how) {
   const came = await actByHeadset(how);
+  assert.ok(isPhysical(came), came.said);
   return [...accountOf(came), came.path];
 }

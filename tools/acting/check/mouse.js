@@ -1,5 +1,5 @@
 // The mouse path: a ball is dragged onto the table, bounces and is put into a bowl, by pointer events and keys.
-import { accountOf, acting, assert, verdictOf } from "./page.js";
+import { accountOf, acting, assert, isPhysical, verdictOf, wellTaken } from "./page.js";
 import { SLOW, throwFrom } from "./throws.js";
 
 /** One take; what came of it. */
@@ -20,11 +20,12 @@ export async function actByMouse({ browser, daemon }) {
   for (let time = 0; time < endS; ) {
     time = Math.min(endS, (Date.now() - begun) / 1000 / SLOW);
     const { x, z } = place(time);
-    await page.mouse.move(seen.x + start.pixelsPerMetre * (x - start.x), seen.y - start.pixelsPerMetre * (z - start.z));
+    // Before the ball is moved on: a slow machine takes a while for each.
     if (!isMarked && time > fallS + 0.01) {
       isMarked = true;
       await page.keyboard.press("Space");
     }
+    await page.mouse.move(seen.x + start.pixelsPerMetre * (x - start.x), seen.y - start.pixelsPerMetre * (z - start.z));
     await page.waitForTimeout(4);
   }
   await page.waitForTimeout(60);
@@ -33,16 +34,16 @@ export async function actByMouse({ browser, daemon }) {
   await page.keyboard.press("Enter");
   const closed = await daemon.wait("closed", (of) => of.take === take);
   await page.mouse.up();
-  const tracker = closed.counts.trackers[0];
-  assert.equal(closed.counts.marks.received, 2);
-  assert.equal(tracker.counts.missing, 0);
-  assert.equal(tracker.clock.source, "device");
+  wellTaken(closed);
   const estimated = await daemon.wait("estimated", (of) => of.take === take);
-  assert.equal(estimated.report.verdict, "physical");
   const came = await verdictOf(page, take);
   assert.deepEqual(errors, []);
   await context.close();
   return { take, closed, estimated, ...came };
 }
 
-export const mouseTake = async (how) => accountOf(await actByMouse(how));
+export async function mouseTake(how) {
+  const came = await actByMouse(how);
+  assert.ok(isPhysical(came), came.said);
+  return accountOf(came);
+}

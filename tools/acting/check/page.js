@@ -1,17 +1,22 @@
 // What the parts of the check share: pages that are open, and what they say.
 import assert from "node:assert/strict";
 
-/** Opens a page. Any error of the page is kept, and said. */
+/** Opens a page. Any error of the page, and all that the daemon refuses it, is kept, and said. */
 export async function opened(browser, link, options = {}, prepare = async () => {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
   const page = await context.newPage();
   const errors = [];
   const fails = (text) => {
+    if (errors.includes(text)) return;
     errors.push(text);
     console.log(`the page: ${text}`);
   };
   page.on("pageerror", (error) => fails(error.stack));
   page.on("console", (said) => said.type() === "error" && fails(said.text()));
+  page.on("websocket", (socket) => socket.on("framereceived", ({ payload }) => {
+    const { what, why } = JSON.parse(payload);
+    if (what === "refused") fails(`refused: ${why}`);
+  }));
   await prepare(page);
   await page.goto(link);
   return { context, page, errors };
@@ -23,6 +28,20 @@ export async function acting(browser, daemon, options = {}, prepare = async () =
   await all.page.waitForSelector("body[data-paired=yes]");
   return all;
 }
+
+/** Looks whether a take has all that was sent in it, by the page's clock; the counts of its tracker. */
+export function wellTaken(closed, tracker = 0) {
+  const { counts, clock } = closed.counts.trackers[tracker];
+  assert.ok(counts.received > 0, `nothing was received: ${JSON.stringify(closed.counts)}`);
+  assert.equal(counts.missing, 0);
+  assert.equal(clock.source, "device");
+  assert.equal(closed.counts.marks.received, 2);
+  assert.equal(closed.counts.marks.refused, 0);
+  return counts;
+}
+
+/** Whether the daemon says that a take became a motion as physics has it. */
+export const isPhysical = ({ estimated }) => estimated.report.verdict === "physical";
 
 /** What came of a take, in lines. */
 export function accountOf({ take, closed, estimated, said, verdictMs, motionMs, checkedMs }) {

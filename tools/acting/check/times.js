@@ -1,9 +1,13 @@
 // How long verdict and motion take after the end of a take: many takes by mouse, by headset, and by a WebSocket alone.
 import { actByHeadset } from "./headset.js";
 import { actByMouse } from "./mouse.js";
+import { assert, isPhysical } from "./page.js";
 import { socketTakes } from "./socket.js";
 
 const TAKES = 20;
+
+/** So many of them may be acted badly, by pointer events that came late on a machine that does much else. */
+const BAD = 2;
 
 /** Median and greatest of numbers [ms]. */
 function spread(all) {
@@ -27,7 +31,9 @@ export async function times(how) {
   for (const [name, act] of [["mouse", actByMouse], ["headset", actByHeadset]]) {
     const takes = [];
     while (takes.length < TAKES) takes.push(await act(how));
-    lines.push(...account(name, takes));
+    const physical = takes.filter(isPhysical).length;
+    lines.push(...account(name, takes), `${physical} of ${takes.length} takes by ${name} are physical`);
+    assert.ok(physical >= TAKES - BAD, lines.join("\n"));
   }
   return lines;
 }

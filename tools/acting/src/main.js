@@ -97,6 +97,8 @@ function watch(isWatched) {
 async function paired(said) {
   at("pairing").hidden = true;
   told = said;
+  // Of a connection that broke: this one has asked for none yet.
+  acted.clear();
   at("scene").textContent = said.scene;
   at("help").textContent = HELP_MOUSE;
   const bodies = said.streams.map((of) => of.body);
@@ -104,7 +106,6 @@ async function paired(said) {
   await view.showScene(await answer.arrayBuffer(), bodies);
   at("stream").replaceChildren(...said.streams.map((of, index) => new Option(of.topic, index)));
   at("stream").hidden = said.streams.length < 2;
-  acted.clear();
   choose(Math.min(stream, said.streams.length - 1));
   placeBodies();
   watch(isWatching);
@@ -277,7 +278,7 @@ function reading(of, position, turn, deviceMs) {
 
 view.renderer.setAnimationLoop((ms, frame) => {
   if (told && frame) headset.read(frame, ms);
-  else if (told) {
+  else if (acted.has(stream)) {
     const of = told.streams[stream];
     const readings = [];
     mouse.advanceTo(ms, (atMs) => readings.push(reading(of, mouse.position, mouse.turn, atMs)));

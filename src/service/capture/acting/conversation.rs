@@ -97,7 +97,7 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> PageConversation<'a, S> {
             calibrating: None,
         };
         let over = page.run().await;
-        acting.claims.leave(page.session);
+        acting.claims.leave(page.session, Instant::now());
         if let Err(PageOver(why)) = over {
             let close = CloseFrame {
                 code: CloseCode::Policy,
@@ -225,7 +225,7 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> PageConversation<'a, S> {
             })
         };
         let claims = &self.acting.claims;
-        claims.take(stream, self.key, self.session, is_sent)
+        claims.take(stream, self.key, self.session, is_sent, Instant::now())
     }
 
     /// Makes a step of a calibration beside everything else.
