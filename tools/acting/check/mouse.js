@@ -2,9 +2,9 @@
 import { accountOf, acting, assert, isPhysical, verdictOf, wellTaken } from "./page.js";
 import { SLOW, throwFrom } from "./throws.js";
 
-/** One take; what came of it. */
-export async function actByMouse({ browser, daemon }) {
-  const { context, page, errors } = await acting(browser, daemon);
+/** One take on a page that is opened so; what came of it. */
+export async function actByMouse({ browser, daemon, open = () => acting(browser, daemon) }) {
+  const { context, page, errors } = await open();
   const seen = await page.evaluate(() => window.enactSeenAt());
   const start = await page.evaluate(() => window.enactBody());
   const { fallS, endS, place } = throwFrom(start);
