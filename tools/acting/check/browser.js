@@ -14,14 +14,15 @@ import { headsetTake } from "./headset.js";
 import { https } from "./https.js";
 import { mouseTake } from "./mouse.js";
 import { pictures } from "./pictures.js";
+import { rooms } from "./rooms.js";
 import { times } from "./times.js";
 
 const home = dirname(dirname(fileURLToPath(import.meta.url)));
 const root = dirname(dirname(home));
 const [enact, executablePath, folder, ...wanted] = process.argv.slice(2);
-const PARTS = { mouse: mouseTake, headset: headsetTake, handover, https, pictures, calibration, times };
+const PARTS = { mouse: mouseTake, headset: headsetTake, rooms, handover, https, pictures, calibration, times };
 /** Those that run where none is asked for. */
-const USUAL = ["mouse", "headset", "handover", "https", "pictures", "calibration"];
+const USUAL = ["mouse", "headset", "rooms", "handover", "https", "pictures", "calibration"];
 
 const BALL = join(root, "config/ball.toml");
 /** Begins a daemon whose files go into a folder of that name. */

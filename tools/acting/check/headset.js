@@ -1,15 +1,12 @@
 // The headset path: iwer plays a recorded controller session, a throw with its buttons, through the page.
 import { join } from "node:path";
-import { accountOf, acting, assert, isPhysical, verdictOf, wellTaken } from "./page.js";
+import { EYES, ahead, emulates, enter, leave } from "./emulated.js";
+import { SMALL, accountOf, acting, assert, isPhysical, verdictOf, wellTaken } from "./page.js";
 import { SLOW, throwFrom } from "./throws.js";
 
 /** Frames a second of the recording, and what its numbers are rounded to, as iwer's recorder does. */
 const RATE_HZ = 90;
 const rounded = (value) => Math.round(value * 1000) / 1000;
-
-/** Where the page puts the scene's world before a viewer who looks ahead [m]: see src/headset.js. */
-const EYES = [0, 1.6, 0];
-const inRoom = ({ x, y, z }) => [x, EYES[1] - 0.5 + z, -0.55 - y];
 
 const START = { x: -0.2, z: 0.45 };
 
@@ -31,7 +28,7 @@ function recorded() {
     const { x, z } = place(Math.min(endS, Math.max(0, (time - BEFORE_S) / SLOW)));
     // A hand wavers by a few millimetres.
     const waver = 0.003 * Math.sin(2 * Math.PI * 0.9 * time + 1);
-    const pose = [...inRoom({ x: x + waver, y: 0.4 * waver, z: z + 0.7 * waver }), 0, 0.0349, 0, 0.9994].map(rounded);
+    const pose = [...ahead({ x: x + waver, y: 0.4 * waver, z: z + 0.7 * waver }), 0, 0.0349, 0, 0.9994].map(rounded);
     const button = (times) => (times.some((at) => time >= at && time < at + 0.12) ? [1, 1, 1] : [0, 0, 0]);
     frames.push([
       rounded(1000 * time), ...EYES, 0, 0, 0, 1,
@@ -47,22 +44,8 @@ function recorded() {
 
 /** One take; what came of it. */
 export async function actByHeadset({ browser, daemon, folder, home }) {
-  const prepare = async (page) => {
-    await page.addInitScript({ path: join(home, "node_modules/iwer/build/iwer.min.js") });
-    await page.addInitScript(() => {
-      // The browser's own layers know nothing of an emulated session.
-      delete window.XRWebGLBinding;
-      window.emulated = new IWER.XRDevice(IWER.metaQuest3);
-      window.emulated.installRuntime({ polyfillLayers: false, forceInstall: true });
-      // It says of all that it plays that nobody sees it.
-      Object.defineProperty(XRPose.prototype, "emulatedPosition", { get: () => false });
-    });
-  };
-  const { context, page, errors } = await acting(browser, daemon, { viewport: { width: 480, height: 320 } }, prepare);
-  await page.waitForSelector("#enter-vr:not([hidden])");
-  await page.click("#enter-vr");
-  await page.waitForSelector("body[data-room=immersive-vr]");
-  await page.waitForFunction(() => window.enactRoom().headset.isPlaced);
+  const { context, page, errors } = await acting(browser, daemon, SMALL, emulates(home));
+  await enter(page, "immersive-vr");
   const before = daemon.said.length;
   await page.evaluate((recording) => {
     const { headset, space } = window.enactRoom();
@@ -78,8 +61,7 @@ export async function actByHeadset({ browser, daemon, folder, home }) {
   await page.waitForTimeout(300);
   const path = join(folder, "headset.png");
   await page.screenshot({ path });
-  await page.evaluate(() => window.enactRoom().headset.leave());
-  await page.waitForSelector("body[data-room='']");
+  await leave(page);
   assert.deepEqual(errors, []);
   await context.close();
   return { take, closed, estimated, ...came, path };

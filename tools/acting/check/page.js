@@ -1,6 +1,9 @@
 // What the parts of the check share: pages that are open, and what they say.
 import assert from "node:assert/strict";
 
+/** A window in which a room is drawn soon enough without a graphics processor. */
+export const SMALL = { viewport: { width: 480, height: 320 } };
+
 /** Opens a page. Any error of the page, and all that the daemon refuses it, is kept, and said. */
 export async function opened(browser, link, options = {}, prepare = async () => {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
