@@ -8,6 +8,7 @@ import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
 import { calibration } from "./calibration.js";
+import { calibrating } from "./calibrating.js";
 import { beginDaemon } from "./daemon.js";
 import { handover } from "./handover.js";
 import { headsetTake } from "./headset.js";
@@ -20,16 +21,23 @@ import { times } from "./times.js";
 const home = dirname(dirname(fileURLToPath(import.meta.url)));
 const root = dirname(dirname(home));
 const [enact, executablePath, folder, ...wanted] = process.argv.slice(2);
-const PARTS = { mouse: mouseTake, headset: headsetTake, rooms, handover, https, pictures, calibration, times };
+const PARTS = {
+  mouse: mouseTake, headset: headsetTake, rooms, handover, https, pictures, calibration, calibrating, times,
+};
 /** Those that run where none is asked for. */
-const USUAL = ["mouse", "headset", "rooms", "handover", "https", "pictures", "calibration"];
+const USUAL = Object.keys(PARTS).filter((name) => name !== "times");
 
 const BALL = join(root, "config/ball.toml");
-/** Begins a daemon whose files go into a folder of that name. */
-const begin = (name, scene = BALL, options = []) =>
-  beginDaemon({ enact, page: join(home, "dist/acting.html"), folder: join(folder, name) }, scene, options);
+const daemons = [];
+/** Begins a daemon whose files go into a folder of that name; it is ended in the end. */
+async function begin(name, scene = BALL, options = []) {
+  const daemon = await beginDaemon(
+    { enact, page: join(home, "dist/acting.html"), folder: join(folder, name) }, scene, options);
+  daemons.push(daemon);
+  return daemon;
+}
 
-const begun = await begin("");
+const daemon = await begin("");
 const browser = await chromium.launch({
   executablePath,
   args: ["--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
@@ -41,7 +49,7 @@ try {
   for (const [name, part] of Object.entries(PARTS)) {
     if (!(wanted.length > 0 ? wanted : USUAL).includes(name)) continue;
     try {
-      for (const line of await part({ browser, daemon: begun, folder, home, enact, begin })) console.log(`${name}: ${line}`);
+      for (const line of await part({ browser, daemon, folder, home, enact, begin })) console.log(`${name}: ${line}`);
     } catch (error) {
       failed += 1;
       console.log(`${name}: FAILED: ${error.stack}`);
@@ -49,10 +57,11 @@ try {
   }
 } finally {
   await browser.close();
-  const code = await begun.end();
-  if (code !== 0) {
+  for (const { end } of daemons) {
+    const code = await end();
+    if (code === 0) continue;
     failed += 1;
-    console.log(`the daemon ended with ${code}`);
+    console.log(`a daemon ended with ${code}`);
   }
 }
 process.exit(failed === 0 ? 0 : 1);

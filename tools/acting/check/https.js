@@ -26,36 +26,32 @@ async function whyNot(browser, link) {
 
 export async function https({ browser, begin }) {
   const daemon = await begin("https", undefined, ["--https=0"]);
-  try {
-    const { link, fingerprint } = daemon.ready.https;
-    const of = new URL(link);
-    assert.equal(of.protocol, "https:");
-    assert.equal(await fingerprintOf(of), fingerprint);
-    assert.match(await whyNot(browser, link), /ERR_CERT_AUTHORITY_INVALID/);
+  const { link, fingerprint } = daemon.ready.https;
+  const of = new URL(link);
+  assert.equal(of.protocol, "https:");
+  assert.equal(await fingerprintOf(of), fingerprint);
+  assert.match(await whyNot(browser, link), /ERR_CERT_AUTHORITY_INVALID/);
 
-    const sockets = [];
-    const open = async () => {
-      const prepare = (page) => page.on("websocket", (socket) => sockets.push(socket.url()));
-      // Without the code, which is typed.
-      const bare = new URL(of.pathname, of).href;
-      const all = await opened(browser, bare, { ignoreHTTPSErrors: true }, prepare);
-      const { page } = all;
-      assert.ok(await page.evaluate(() => isSecureContext && "xr" in navigator));
-      assert.equal(await page.getAttribute("body", "data-paired"), null);
-      await page.fill("#code", of.hash.slice("#code=".length));
-      await page.click("#pairing button");
-      await page.waitForSelector("body[data-paired=yes]");
-      for (const elsewhere of ["/", "/metrics", "/health"]) {
-        const answer = await page.request.get(new URL(elsewhere, of).href);
-        assert.equal(answer.status(), 404, elsewhere);
-      }
-      return all;
-    };
-    const came = await actByMouse({ browser, daemon, open });
-    assert.ok(isPhysical(came), came.said);
-    assert.deepEqual(sockets, [`wss://${of.host}/act/socket`]);
-    return [`${sockets[0].replace(of.host, "…")}, the certificate is the one that was said`, ...accountOf(came)];
-  } finally {
-    assert.equal(await daemon.end(), 0);
-  }
+  const sockets = [];
+  const open = async () => {
+    const prepare = (page) => page.on("websocket", (socket) => sockets.push(socket.url()));
+    // Without the code, which is typed.
+    const bare = new URL(of.pathname, of).href;
+    const all = await opened(browser, bare, { ignoreHTTPSErrors: true }, prepare);
+    const { page } = all;
+    assert.ok(await page.evaluate(() => isSecureContext && "xr" in navigator));
+    assert.equal(await page.getAttribute("body", "data-paired"), null);
+    await page.fill("#code", of.hash.slice("#code=".length));
+    await page.click("#pairing button");
+    await page.waitForSelector("body[data-paired=yes]");
+    for (const elsewhere of ["/", "/metrics", "/health"]) {
+      const answer = await page.request.get(new URL(elsewhere, of).href);
+      assert.equal(answer.status(), 404, elsewhere);
+    }
+    return all;
+  };
+  const came = await actByMouse({ browser, daemon, open });
+  assert.ok(isPhysical(came), came.said);
+  assert.deepEqual(sockets, [`wss://${of.host}/act/socket`]);
+  return [`${sockets[0].replace(of.host, "…")}, the certificate is the one that was said`, ...accountOf(came)];
 }
