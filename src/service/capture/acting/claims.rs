@@ -5,28 +5,24 @@ use std::time::{Duration, Instant};
 
 use crate::ingest::live::Token;
 
-/// For so long after a page has left, what came last on its stream may have been its own: a stream counts as sent on
-/// for a second, and is looked at five times a second.
-const OWN_LAST: Duration = Duration::from_millis(1500);
+/// What was seen of a stream is known so much later at most: it is looked at five times a second.
+const LATE: Duration = Duration::from_millis(500);
 
 /// Who has a stream, or had it last.
 #[derive(Clone, Copy, Debug)]
 struct Claim {
     key: Token,
     session: u32,
-    /// When its connection ended.
-    left: Option<Instant>,
+    is_held: bool,
+    /// When the last reading of a page came.
+    read: Option<Instant>,
 }
 
 impl Claim {
-    fn is_held(&self) -> bool {
-        self.left.is_none()
-    }
-
-    /// Whether what is still seen of the stream may have come from the page that had it.
-    fn has_just_left(&self, now: Instant) -> bool {
-        let left = self.left;
-        left.is_some_and(|left| now.saturating_duration_since(left) < OWN_LAST)
+    /// Whether what was seen so long ago came from the page.
+    fn has_sent(&self, seen: Duration, now: Instant) -> bool {
+        let ago = |read| now.saturating_duration_since(read);
+        self.read.is_some_and(|read| ago(read) <= seen + LATE)
     }
 }
 
@@ -41,14 +37,14 @@ impl Claims {
     }
 
     /// A connection of the page with that key takes a stream, from itself where its earlier connection has it still.
-    /// Fails, in words, where another page has it, or `is_sent` says that somebody sends on it, unless that was a page that
-    /// has just left.
+    /// Fails, in words, where another page has it, or where a tracker sends: the last of it was seen so long ago, and
+    /// came from no page.
     pub(super) fn take(
         &self,
         stream: usize,
         key: Token,
         session: u32,
-        is_sent: bool,
+        seen: Option<Duration>,
         now: Instant,
     ) -> Result<(), String> {
         let Ok(mut claims) = self.0.lock() else {
@@ -61,35 +57,40 @@ impl Claims {
             ));
         };
         let is_own = claim.is_some_and(|of| of.key.lets_in(&key.bytes()));
-        if !is_own && claim.is_some_and(|of| of.is_held()) {
+        if !is_own && claim.is_some_and(|of| of.is_held) {
             return Err("another page acts with this tracker".to_owned());
         }
-        let has_just_left = claim.is_some_and(|of| of.has_just_left(now));
-        if !is_own && is_sent && !has_just_left {
+        let is_page = |seen| claim.is_some_and(|of| of.has_sent(seen, now));
+        if !is_own && seen.is_some_and(|seen| !is_page(seen)) {
             return Err("a tracker sends there already".to_owned());
         }
         *claim = Some(Claim {
             key,
             session,
-            left: None,
+            is_held: true,
+            read: claim.and_then(|of| of.read),
         });
         Ok(())
     }
 
-    /// Whether a connection has a stream.
-    pub(super) fn has(&self, stream: usize, session: u32) -> bool {
-        let claims = self.0.lock();
-        let claim = claims.ok().and_then(|claims| *claims.get(stream)?);
-        claim.is_some_and(|of| of.is_held() && of.session == session)
+    /// Whether a connection has a stream, on which a reading has come from it.
+    pub(super) fn read(&self, stream: usize, session: u32, now: Instant) -> bool {
+        let Ok(mut claims) = self.0.lock() else {
+            return false;
+        };
+        let claim = claims.get_mut(stream).and_then(Option::as_mut);
+        let claim = claim.filter(|of| of.is_held && of.session == session);
+        claim.is_some_and(|of| {
+            of.read = Some(now);
+            true
+        })
     }
 
     /// A connection has ended.
-    pub(super) fn leave(&self, session: u32, now: Instant) {
+    pub(super) fn leave(&self, session: u32) {
         if let Ok(mut claims) = self.0.lock() {
             for claim in claims.iter_mut().flatten() {
-                if claim.session == session {
-                    claim.left.get_or_insert(now);
-                }
+                claim.is_held &= claim.session != session;
             }
         }
     }
@@ -99,39 +100,53 @@ impl Claims {
 mod tests {
     use super::*;
 
+    /// A tracker's sample was seen just now.
+    const SEEN: Option<Duration> = Some(Duration::from_millis(10));
+
     #[test]
     fn a_stream_has_one_page_and_a_page_comes_back_to_its_own() {
         let [ours, theirs] = [Token::make(), Token::make()].map(|key| key.expect("random"));
         let claims = Claims::new(2);
-        let mut now = Instant::now();
-        assert!(claims.take(2, ours, 1, false, now).is_err());
+        let now = Instant::now();
+        assert!(claims.take(2, ours, 1, None, now).is_err());
         // A real tracker is not disturbed.
-        assert!(claims.take(0, ours, 1, true, now).is_err() && !claims.has(0, 1));
-        assert!(claims.take(0, ours, 1, false, now).is_ok());
-        assert!(claims.has(0, 1) && !claims.has(1, 1));
-        assert!(claims.take(0, theirs, 2, false, now).is_err());
+        assert!(claims.take(0, ours, 1, SEEN, now).is_err() && !claims.read(0, 1, now));
+        assert!(claims.take(0, ours, 1, None, now).is_ok());
+        assert!(claims.read(0, 1, now) && !claims.read(1, 1, now));
+        assert!(claims.take(0, theirs, 2, None, now).is_err());
         // Its own readings are still coming in when it is back; the earlier connection has it no more.
-        assert!(claims.take(0, ours, 3, true, now).is_ok());
-        assert!(claims.has(0, 3) && !claims.has(0, 1));
-        claims.leave(1, now);
-        assert!(claims.has(0, 3));
-        claims.leave(3, now);
-        assert!(!claims.has(0, 3));
-        // What still comes after a while is a real tracker's.
-        now += OWN_LAST;
-        assert!(claims.take(0, theirs, 4, true, now).is_err());
-        assert!(claims.take(0, theirs, 4, false, now).is_ok());
+        assert!(claims.take(0, ours, 3, SEEN, now).is_ok());
+        assert!(claims.read(0, 3, now) && !claims.read(0, 1, now));
+        claims.leave(1);
+        assert!(claims.read(0, 3, now));
+        claims.leave(3);
+        assert!(!claims.read(0, 3, now));
+        assert!(claims.take(0, theirs, 4, None, now).is_ok());
     }
 
     #[test]
-    fn a_page_that_has_just_left_is_no_other_tracker() {
+    fn a_page_that_has_left_is_no_tracker_that_sends() {
+        let [ours, theirs] = [Token::make(), Token::make()].map(|key| key.expect("random"));
+        let claims = Claims::new(1);
+        let begun = Instant::now();
+        assert!(claims.take(0, ours, 1, None, begun).is_ok());
+        assert!(claims.read(0, 1, begun));
+        assert!(claims.take(0, theirs, 2, SEEN, begun).is_err());
+        claims.leave(1);
+        // What was seen last is its own; what came later is not.
+        let now = begun + 2 * LATE;
+        assert!(claims.take(0, theirs, 2, SEEN, now).is_err());
+        assert!(claims.take(0, theirs, 2, Some(LATE), now).is_ok());
+        assert!(claims.read(0, 2, now));
+    }
+
+    #[test]
+    fn who_has_a_stream_and_says_nothing_on_it_makes_no_way_beside_a_tracker() {
         let [ours, theirs] = [Token::make(), Token::make()].map(|key| key.expect("random"));
         let claims = Claims::new(1);
         let now = Instant::now();
-        assert!(claims.take(0, ours, 1, false, now).is_ok());
-        assert!(claims.take(0, theirs, 2, true, now).is_err());
-        claims.leave(1, now);
-        assert!(claims.take(0, theirs, 2, true, now + OWN_LAST / 2).is_ok());
-        assert!(claims.has(0, 2));
+        assert!(claims.take(0, ours, 1, None, now).is_ok());
+        claims.leave(1);
+        assert!(claims.take(0, theirs, 2, SEEN, now).is_err());
     }
 }

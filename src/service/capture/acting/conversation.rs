@@ -97,7 +97,7 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> PageConversation<'a, S> {
             calibrating: None,
         };
         let over = page.run().await;
-        acting.claims.leave(page.session, Instant::now());
+        acting.claims.leave(page.session);
         if let Err(PageOver(why)) = over {
             let close = CloseFrame {
                 code: CloseCode::Policy,
@@ -168,7 +168,8 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> PageConversation<'a, S> {
         if !self.readings.take(read.records.len(), Instant::now()) {
             return Err(PageOver("more readings than a tracker sends"));
         }
-        if !self.acting.claims.has(read.stream, self.session) {
+        let now = Instant::now();
+        if !self.acting.claims.read(read.stream, self.session, now) {
             self.count_text()?;
             return Ok(Some(
                 "this page is not the tracker of that stream".to_owned(),
@@ -216,16 +217,16 @@ impl<'a, S: AsyncRead + AsyncWrite + Unpin> PageConversation<'a, S> {
     }
 
     fn act(&self, stream: usize) -> Result<(), String> {
-        let is_sent = {
+        let seen_s = {
             let status = self.acting.status.borrow();
             let tracker = status.trackers.get(stream);
-            tracker.is_some_and(|tracker| {
-                let is_recent = tracker.seen_s.is_some_and(|seen_s| seen_s < RECENT_S);
-                tracker.state == Presence::Sending && is_recent
-            })
+            let tracker = tracker.filter(|tracker| tracker.state == Presence::Sending);
+            tracker.and_then(|tracker| tracker.seen_s)
         };
+        let seen_s = seen_s.filter(|seen_s| *seen_s < RECENT_S);
+        let seen = seen_s.map(Duration::from_secs_f64);
         let claims = &self.acting.claims;
-        claims.take(stream, self.key, self.session, is_sent, Instant::now())
+        claims.take(stream, self.key, self.session, seen, Instant::now())
     }
 
     /// Makes a step of a calibration beside everything else.
