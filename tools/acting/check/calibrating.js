@@ -13,7 +13,7 @@ const RATE_HZ = 250;
 const ABOUT_S = 0.5;
 
 /** How far what is found may be off. */
-const MOST = { mountDeg: 0.2, mountMm: 0.5, tableDeg: 0.1, tableMm: 0.3 };
+const MOST = { mountDeg: 0.05, mountMm: 0.15, tableDeg: 0.05, tableMm: 0.15 };
 
 /** From the scene's world, z up, to that of the room, y up. */
 const Y_UP = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), -Math.PI / 2);
