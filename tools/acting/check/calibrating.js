@@ -1,11 +1,13 @@
-// All steps of a calibration by a controller that iwer emulates, on a pen whose mount and whose table are known: through
-// page, WebSocket and daemon to the scene with what was found.
+// All steps of a calibration by a controller that iwer emulates, on a pen whose mount and whose table are known:
+// through page, WebSocket and daemon to the scene with what was found.
 import { readFile, writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { Quaternion, Vector3 } from "three";
 import { emulates, enter, leave, onFloor, play } from "./emulated.js";
 import { SMALL, acting, assert } from "./page.js";
-import { MARKS_S, MOUNT, SCENE, TABLE, TOUCHES_S, disturbed, noise, standing, swinging, touching, trackerOn } from "./pen.js";
+import {
+  MARKS_S, MOUNT, SCENE, TABLE, TOUCHES_S, disturbed, noise, standing, swinging, touching, trackerOn,
+} from "./pen.js";
 
 const RATE_HZ = 250;
 
@@ -86,5 +88,8 @@ export async function calibrating({ browser, begin, folder, home }) {
   // A daemon takes it.
   await begin("calibrated", made);
   const short = (number) => number.toPrecision(2);
-  return [`the mount is off by ${short(mountDeg)}° and ${short(mountMm)} mm, the table by ${short(tableDeg)}° and ${short(tableMm)} mm`];
+  return [
+    `the mount is off by ${short(mountDeg)}° and ${short(mountMm)} mm`,
+    `the table is off by ${short(tableDeg)}° and ${short(tableMm)} mm`,
+  ];
 }

@@ -38,8 +38,8 @@ export async function leave(page) {
 }
 
 /**
- * What an input does: poses as [time in ms, x, y, z, qx, qy, qz, qw] in the room, straight between them, and when
- * its buttons are pressed [ms]. Of a hand, that is where its wrist is, and `select` is a pinch; of a controller, its grip.
+ * What an input does: poses as [time in ms, x, y, z, qx, qy, qz, qw] in the room, straight between them, and when its
+ * buttons are pressed [ms]. Of a hand, that is where its wrist is, and `select` is a pinch; of a controller, its grip.
  * @typedef {{ poses: number[][], select?: number[], squeeze?: number[] }} Part
  */
 
@@ -146,7 +146,8 @@ export const drawn = (page) => page.evaluate(() => new Promise((done) => {
     const pixels = new Uint8Array(4 * width * height);
     gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
     gl.bindFramebuffer(gl.FRAMEBUFFER, before);
-    const share = (alpha) => pixels.filter((value, index) => index % 4 === 3 && value === alpha).length / (width * height);
+    const alphas = pixels.filter((_, index) => index % 4 === 3);
+    const share = (alpha) => alphas.filter((value) => value === alpha).length / alphas.length;
     done({ through: share(0), opaque: share(255) });
   };
   session.requestAnimationFrame(look);

@@ -52,5 +52,6 @@ export async function https({ browser, begin }) {
   };
   const came = await wellActed({ browser, daemon, open });
   assert.deepEqual([...new Set(sockets)], [`wss://${of.host}/act/socket`]);
-  return [`${sockets[0].replace(of.host, "…")}, the certificate is the one that was said`, ...came.tried, ...accountOf(came)];
+  const way = sockets[0].replace(of.host, "…");
+  return [`${way}, the certificate is the one that was said`, ...came.tried, ...accountOf(came)];
 }

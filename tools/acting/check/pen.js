@@ -1,5 +1,5 @@
-// A pen whose tracker is mounted in a known way, above a table that is known: what calibrations should find, and what is
-// performed for them.
+// A pen whose tracker is mounted in a known way, above a table that is known: what calibrations should find, and what
+// is performed for them.
 import { Quaternion, Vector3 } from "three";
 
 export const SCENE = `# A pen above a table.
@@ -104,5 +104,6 @@ export const NOISE = { m: 1e-4, rad: 1e-3 };
 
 export function disturbed({ position, turn }, draw) {
   const three = (of) => [of * draw(), of * draw(), of * draw()];
-  return { position: position.clone().add(new Vector3(...three(NOISE.m))), turn: turn.clone().multiply(by(...three(NOISE.rad))) };
+  const [off, twist] = [new Vector3(...three(NOISE.m)), by(...three(NOISE.rad))];
+  return { position: position.clone().add(off), turn: turn.clone().multiply(twist) };
 }

@@ -1,5 +1,5 @@
-// Hands in virtual reality and a phone in augmented reality, as iwer emulates them: a throw by a wrist with pinches, and
-// by a phone with taps, through the page and back.
+// Hands in virtual reality and a phone in augmented reality, as iwer emulates them: a throw by a wrist with pinches,
+// and by a phone with taps, through the page and back.
 import { join } from "node:path";
 import { ahead, drawn, emulates, enter, leave, play } from "./emulated.js";
 import { SMALL, accountOf, acting, assert, isPhysical, verdictOf, wellTaken } from "./page.js";
