@@ -44,12 +44,13 @@ export async function leave(page) {
  */
 
 /**
- * Begins to play a script from now on: what is in the hands, or where the phone itself is and when it is tapped.
+ * Begins to play a script from now on: what is in the hands, or where the phone itself is and when it is tapped. Says
+ * when that was on the page's clock [ms].
  * @param {import("playwright-core").Page} page
  * @param {{ with: "hand" | "controller" | "phone", left?: Part, right?: Part, phone?: Part }} script
  */
 export async function play(page, script) {
-  await page.evaluate((script) => {
+  return page.evaluate((script) => {
     const PRESSED_MS = 120;
     const { headset } = window.enactRoom();
     const device = window.emulated;
@@ -96,7 +97,7 @@ export async function play(page, script) {
         headset.session.requestAnimationFrame(step);
       };
       headset.session.requestAnimationFrame(step);
-      return;
+      return begunMs;
     }
     const isHand = script.with === "hand";
     for (const side of ["left", "right"]) {
@@ -125,6 +126,7 @@ export async function play(page, script) {
         input.updateTargetRaySpace();
       };
     }
+    return begunMs;
   }, script);
 }
 

@@ -32,6 +32,19 @@ export async function acting(browser, daemon, options = {}, prepare = async () =
   return all;
 }
 
+/** All readings that a page sends from now on: when on its own clock [ms], and where [m]. */
+export function readingsOf(page) {
+  const readings = [];
+  page.on("websocket", (socket) => socket.on("framesent", ({ payload }) => {
+    if (typeof payload === "string") return;
+    for (let at = 8; at < payload.length; at += 96) {
+      const place = [32, 40, 48].map((of) => payload.readDoubleLE(at + of));
+      readings.push({ atMs: Number(payload.readBigInt64LE(at + 24)) / 1e6, place });
+    }
+  }));
+  return readings;
+}
+
 /** Looks whether a take has all that was sent in it, by the page's clock; the counts of its tracker. */
 export function wellTaken(closed, tracker = 0) {
   const { counts, clock } = closed.counts.trackers[tracker];
