@@ -6,6 +6,9 @@ import { SLOW, throwFrom } from "./throws.js";
 const LATE_MS = 100;
 const TRIES = 3;
 
+/** So much later than the pointer the ball is there [s]: see src/mouse.js. */
+const BEHIND_S = 0.09;
+
 /** One take on a page that is opened so; what came of it. */
 export async function actByMouse({ browser, daemon, open = () => acting(browser, daemon) }) {
   const { context, page, errors } = await open();
@@ -26,7 +29,7 @@ export async function actByMouse({ browser, daemon, open = () => acting(browser,
     time = Math.min(endS, (Date.now() - begun) / 1000 / SLOW);
     const { x, z } = place(time);
     // Before the ball is moved on: a slow machine takes a while for each.
-    if (!isMarked && time > fallS + 0.01) {
+    if (!isMarked && time > fallS + BEHIND_S / SLOW) {
       isMarked = true;
       await page.keyboard.press("Space");
     }
