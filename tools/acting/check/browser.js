@@ -13,6 +13,7 @@ import { beginDaemon } from "./daemon.js";
 import { handover } from "./handover.js";
 import { headsetTake } from "./headset.js";
 import { https } from "./https.js";
+import { late } from "./late.js";
 import { mouseTake } from "./mouse.js";
 import { pictures } from "./pictures.js";
 import { rooms } from "./rooms.js";
@@ -22,7 +23,7 @@ const home = dirname(dirname(fileURLToPath(import.meta.url)));
 const root = dirname(dirname(home));
 const [enact, executablePath, folder, ...wanted] = process.argv.slice(2);
 const PARTS = {
-  mouse: mouseTake, headset: headsetTake, rooms, handover, https, pictures, calibration, calibrating, times,
+  mouse: mouseTake, headset: headsetTake, late, rooms, handover, https, pictures, calibration, calibrating, times,
 };
 /** Those that run where none is asked for. */
 const USUAL = Object.keys(PARTS).filter((name) => name !== "times");

@@ -36,7 +36,8 @@ export async function beginDaemon({ enact, page, folder }, scene, options = []) 
   });
   /** The first thing said that is so. */
   const wait = (what, isSo = () => true) => new Promise((done, fail) => {
-    const timer = setTimeout(() => fail(new Error(`nothing said: ${what}`)), 60_000);
+    const timer = setTimeout(() => fail(new Error(
+      `nothing said: ${what}, but ${said.slice(-3).map((of) => JSON.stringify(of).slice(0, 400)).join("; ")}`)), 60_000);
     const look = () => {
       const found = said.find((of) => of.what === what && isSo(of));
       if (found) { clearTimeout(timer); done(found); }

@@ -9,8 +9,8 @@ const TRIES = 3;
 /** So much later than the pointer the ball is there [s]: see src/mouse.js. */
 const BEHIND_S = 0.09;
 
-/** One take on a page that is opened so; what came of it. */
-export async function actByMouse({ browser, daemon, open = () => acting(browser, daemon) }) {
+/** One take on a page that is opened so, with what is done before the last mark; what came of it. */
+export async function actByMouse({ browser, daemon, open = () => acting(browser, daemon), beforeEnd = () => {} }) {
   const { context, page, errors } = await open();
   const seen = await page.evaluate(() => window.enactSeenAt());
   const start = await page.evaluate(() => window.enactBody());
@@ -39,6 +39,7 @@ export async function actByMouse({ browser, daemon, open = () => acting(browser,
     await page.waitForTimeout(4);
   }
   await page.waitForTimeout(60);
+  await beforeEnd(page);
   await page.keyboard.press("Space");
   await page.waitForTimeout(60);
   await page.keyboard.press("Enter");

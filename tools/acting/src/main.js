@@ -231,6 +231,8 @@ async function play(of) {
 export function record() {
   if (take === null) return link.say({ say: "start" });
   if (calibration.isOpen) return calibration.end(take, stream);
+  // Until now, in a frame that is late too: of the last mark there are readings.
+  if (!headset.session && acted.has(stream)) readMouse(performance.now());
   ended = { take, atMs: performance.now() };
   link.say({ say: "stop" });
 }
@@ -276,15 +278,18 @@ function reading(of, position, turn, deviceMs) {
   return { deviceMs, position: tracker.toArray(), quaternion: turn.clone().multiply(mount).toArray(), isValid: true };
 }
 
+/** Sends where the mouse has the body, until then. @param {number} ms */
+function readMouse(ms) {
+  const of = told.streams[stream];
+  const readings = [];
+  mouse.advanceTo(ms, (atMs) => readings.push(reading(of, mouse.position, mouse.turn, atMs)));
+  view.put(of.body, mouse.position, mouse.turn);
+  link.send(stream, readings);
+}
+
 view.renderer.setAnimationLoop((ms, frame) => {
   if (told && frame) headset.read(frame, ms);
-  else if (acted.has(stream)) {
-    const of = told.streams[stream];
-    const readings = [];
-    mouse.advanceTo(ms, (atMs) => readings.push(reading(of, mouse.position, mouse.turn, atMs)));
-    view.put(of.body, mouse.position, mouse.turn);
-    link.send(stream, readings);
-  }
+  else if (acted.has(stream)) readMouse(ms);
   if (isWatching) {
     view.advance(ms / 1000);
     at("time").value = String(view.motion.time);
