@@ -65,8 +65,8 @@ export async function calibrating({ browser, begin, folder, home }) {
     assert.ok(made, "no scene with what was found");
     return { keys: await page.inputValue("#keys"), made };
   };
-  await step("rest", standing(new Vector3(0, 0, 1)), 4, { stands: "+z" });
-  await step("rest", standing(new Vector3(1, 0, 0)), 4, { stands: "+x" });
+  await step("rest", standing(new Vector3(0, 0, 1)), 8, { stands: "+z" });
+  await step("rest", standing(new Vector3(1, 0, 0)), 8, { stands: "+x" });
   await step("pivot", swinging, 12, {});
   const { keys, made } = await step("plane", touching, TOUCHES_S, { marksS: MARKS_S });
   const toml = await readFile(made, "utf8");
