@@ -2,7 +2,10 @@
 on the same takes of known truth.
 
     pip install 'mujoco[sysid]==4.0.0' scipy enact-motion    # the wheel of tools/python
-    python tools/peers/several.py [--seeds 5] [--takes 10] [--first 9000]
+    python tools/peers/several.py ANSWERS [--seeds 5] [--takes 10] [--first 9000]
+
+ANSWERS is a JSON file, written anew after each answer: answers that are there are kept, so that a run that ended goes on from there. An answer of MuJoCo
+takes minutes.
 
 A ball is thrown along a table, slides as it bounces once, and its tracker sees all of that with white noise. Friction, the contact, gravity, where
 the tracker is and each take's motion are unknown to both. MuJoCo shoots through the impact, from where lines through the first twelve samples
@@ -11,7 +14,16 @@ gives way, by a stiffness and a damping that are free, and has no restitution: t
 """
 
 import argparse
+import importlib.metadata
+import json
+import os
+import pathlib
+import platform
+import subprocess
 import time
+
+# Matrices are small: more threads would only wait for each other, and time of a core would count that.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import enact_motion
 import mujoco
@@ -185,39 +197,87 @@ def by_enact(takes):
     answer = {}
     for name in TRUE:
         of = [fit.parameters[key] for key in fit.parameters if key.split(".")[0] == name or key.split(".")[1] == name]
-        answer[name] = np.array([p.value for p in of]), np.array([0.5 * (p.interval[1] - p.interval[0]) for p in of])
+        has_interval = all(p.interval is not None for p in of)
+        half = np.array([0.5 * (p.interval[1] - p.interval[0]) for p in of]) if has_interval else None
+        answer[name] = np.array([p.value for p in of]), half
     return answer
+
+
+WAYS = {"enact": by_enact} | {
+    f"mujoco.sysid from {name}": lambda takes, begins=begins: Sysid(takes, begins).answer() for name, begins in BEGINS.items()
+}
+
+
+def versions():
+    here = pathlib.Path(__file__).parent
+    git = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=here, capture_output=True, text=True, check=False)
+    packages = {name: importlib.metadata.version(name) for name in ["enact-motion", "mujoco", "mujoco_sysid", "numpy", "scipy"]}
+    return packages | {"python": platform.python_version(), "revision": git.stdout.strip() or "unknown"}
+
+
+def answered(way, seed, count):
+    """What one way makes of the takes of a seed: how far each number is off, whether its interval holds, time for all takes."""
+    random = np.random.default_rng(seed)
+    takes = [thrown(random) for _ in range(count)]
+    wall, core = time.perf_counter(), time.process_time()
+    numbers, why = {}, None
+    try:
+        answer = WAYS[way](takes)
+    except (RuntimeError, ValueError, np.linalg.LinAlgError) as error:
+        why = str(error)
+    else:
+        for name, truth in TRUE.items():
+            values, half = answer[name]
+            off = np.abs(values - truth)
+            numbers[name] = {"off": off.tolist(), "is_held": None if half is None else (off <= half).tolist()}
+    return {
+        "way": way,
+        "seed": seed,
+        "takes": count,
+        "why_none": why,
+        "numbers": numbers,
+        "wall_s": time.perf_counter() - wall,
+        "core_s": time.process_time() - core,
+    }
+
+
+def write(path, report):
+    beside = path.with_name(path.name + ".part")
+    beside.write_text(json.dumps(report))
+    os.replace(beside, path)
+
+
+def table(answers):
+    print("| | restitution off: median | friction | gravity, m/s² | tracker, mm | in 95 % intervals | time of a core for a take, s |")
+    print("|---|---|---|---|---|---|---|")
+    for way in WAYS:
+        of = [answer for answer in answers if answer["way"] == way]
+        found = [answer["numbers"] for answer in of if answer["numbers"]]
+        median = {name: np.median([off for each in found for off in each[name]["off"]]) for name in TRUE}
+        held = [is_held for each in found for name in TRUE for is_held in each[name]["is_held"] or []]
+        print(
+            f"| {way} | {median['restitution']:.2g} | {median['friction']:.2g} | {median['gravity']:.2g} | {1e3 * median['tracker']:.2g} "
+            f"| {sum(held)} of {len(held)} | {np.median([answer['core_s'] / answer['takes'] for answer in of]):.2g} |"
+        )
 
 
 def main():
     ask = argparse.ArgumentParser()
+    ask.add_argument("answers", type=pathlib.Path)
     ask.add_argument("--seeds", type=int, default=5)
     ask.add_argument("--takes", type=int, default=10)
     ask.add_argument("--first", type=int, default=9000)
     asked = ask.parse_args()
-    ways = {"enact": by_enact}
-    for name, begins in BEGINS.items():
-        ways[f"mujoco.sysid from {name}"] = lambda takes, begins=begins: Sysid(takes, begins).answer()
-    print("| | restitution off: median | friction | gravity, m/s² | tracker, mm | in 95 % intervals | time for a take, s |")
-    print("|---|---|---|---|---|---|---|")
-    for way, ask in ways.items():
-        off, held, seconds = {name: [] for name in TRUE}, [], []
-        for seed in range(asked.first, asked.first + asked.seeds):
-            random = np.random.default_rng(seed)
-            takes = [thrown(random) for _ in range(asked.takes)]
-            begun = time.perf_counter()
-            answer = ask(takes)
-            seconds.append((time.perf_counter() - begun) / asked.takes)
-            for name, truth in TRUE.items():
-                values, half = answer[name]
-                off[name].extend(np.abs(values - truth))
-                held.extend([] if half is None else np.abs(values - truth) <= half)
-        median = {name: np.median(each) for name, each in off.items()}
-        print(
-            f"| {way} | {median['restitution']:.2g} | {median['friction']:.2g} | {median['gravity']:.2g} | {1e3 * median['tracker']:.2g} "
-            f"| {100 * np.mean(held):.0f} % of {len(held)} | {np.median(seconds):.2g} |",
-            flush=True,
-        )
+    report = {"versions": versions(), "answers": []}
+    if asked.answers.exists():
+        report = json.loads(asked.answers.read_text())
+    there = {(of["way"], of["seed"], of["takes"]) for of in report["answers"]}
+    for seed in range(asked.first, asked.first + asked.seeds):
+        for way in WAYS:
+            if (way, seed, asked.takes) not in there:
+                report["answers"].append(answered(way, seed, asked.takes))
+                write(asked.answers, report)
+    table(report["answers"])
 
 
 if __name__ == "__main__":
