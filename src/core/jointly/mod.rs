@@ -18,12 +18,14 @@
 //! [`judge`]: takes that stand out, and what each of them does to the answer. All numbers inside are in
 //! [lengths](crate::motion::FreeParameter::length) of the parameters.
 
+mod begin;
 pub mod interval;
 pub mod judge;
 pub mod parameter;
 pub mod part;
 pub mod search;
 pub mod spread;
+mod step;
 #[cfg(test)]
 mod tests;
 pub mod weak;

@@ -32,6 +32,23 @@ struct Likely {
 }
 
 impl TakesField<'_> {
+    /// `Σ f_k + ½ Σ bᵀT⁻¹b` with the priors: what a step must not increase.
+    pub(super) fn objective(&self, variances: &DVector<f64>) -> f64 {
+        let of_take = |part: &PlainPart| {
+            let off = part.off.iter().zip(variances);
+            let drawn = off.filter(|(_, variance)| **variance > 0.0);
+            part.cost
+                + 0.5
+                    * drawn
+                        .map(|(off, variance)| off * off / variance)
+                        .sum::<f64>()
+        };
+        let takes: f64 = self.parts.iter().map(of_take).sum();
+        let priors = self.parameters.iter().zip(self.mean);
+        let priors = priors.map(|(of, mean)| of.prior() * (mean - of.initial / of.length).powi(2));
+        takes + 0.5 * priors.sum::<f64>()
+    }
+
     /// The likeliest variances, from some on.
     pub(super) fn likeliest(&self, start: &DVector<f64>) -> DVector<f64> {
         let drawn: Vec<usize> = self.drawn().collect();
