@@ -20,7 +20,7 @@ use nalgebra::{DMatrix, Vector3};
 pub use self::leaning::leanings;
 
 use self::alone::errors_alone;
-use self::asked::{Asked, Trials};
+use self::asked::{Asked, FitAsked, Trials};
 use self::candidates::candidates;
 use self::trial::BodyTrials;
 use self::wider::{Wider, unbounded};
@@ -132,6 +132,7 @@ pub(super) fn judge(
     (context, solution, in_time): (&SolveContext, &Solution, Option<&InTime>),
     errors: &[Residuals],
     performance: Performance,
+    of_fit: FitAsked,
     observer: &mut dyn Observer,
 ) -> Result<(Fit, Vec<Suspect>), FitUntold> {
     if let Some(weave) = &context.problem.weave {
@@ -142,6 +143,7 @@ pub(super) fn judge(
             likely: &weave.errors,
             strayed: Strayed::Hand,
             trials: None,
+            of_fit,
         };
         return told.judged(errors, performance, observer);
     }
@@ -161,6 +163,7 @@ pub(super) fn judge(
             solution,
             performance,
         }),
+        of_fit,
     };
     told.judged(errors, performance, observer)
 }
@@ -173,6 +176,7 @@ struct ToldMotion<'a> {
     likely: &'a LikelyErrors,
     strayed: Strayed,
     trials: Option<BodyTrials<'a>>,
+    of_fit: FitAsked,
 }
 
 impl ToldMotion<'_> {
@@ -208,6 +212,7 @@ impl ToldMotion<'_> {
         let joint = rms(context.problem, errors);
         let may_rest = farther_than_rest(context.problem, joint[0] / FAR_SHARE);
         let asked = Asked {
+            of_fit: self.of_fit,
             scene,
             quantities: &quantities,
             joint,

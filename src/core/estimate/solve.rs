@@ -17,6 +17,7 @@ use std::cell::OnceCell;
 use std::cmp::Ordering;
 
 use crate::estimate::adequacy;
+use crate::estimate::adequacy::asked::FitAsked;
 use crate::estimate::covariance::Covariance;
 use crate::estimate::covariance::in_time::InTime;
 use crate::estimate::covariance::residuals::Residuals;
@@ -27,8 +28,8 @@ use crate::estimate::terms::context::{Guidance, SolveContext};
 use crate::estimate::unknowns::layout::Layout;
 use crate::estimate::unknowns::point::Point;
 use crate::motion::{
-    Counters, Estimate, FitUntold, Guess, Observer, Performance, Phase, Scene, Segment, Sketch,
-    VelocityGaps, Verdict, WorkLimited,
+    Counters, Estimate, FitUntold, Fits, Guess, Observer, Performance, Phase, Scene, Segment,
+    Sketch, VelocityGaps, Verdict, WorkLimited,
 };
 use crate::optimise::{Program, Work};
 
@@ -67,7 +68,13 @@ impl Solved {
         let (context, solution) = (self.context(), &self.solution);
         let in_time = self.in_time(&context);
         let of = (&context, solution, in_time);
-        let judged = adequacy::judge(of, &self.errors, performance, observer);
+        let judged = adequacy::judge(
+            of,
+            &self.errors,
+            performance,
+            FitAsked::WithSuspects,
+            observer,
+        );
         let leanings = adequacy::leanings(&context, solution, performance);
         self.estimate.fit = judged.map(|(fit, suspects)| {
             self.estimate.suspects = suspects;
@@ -76,6 +83,20 @@ impl Solved {
         for (event, leaning) in self.estimate.events.iter_mut().zip(leanings) {
             event.leaning = leaning;
         }
+    }
+
+    /// Whether the motion explains the performance, as [`judge`](Self::judge) tells it: sooner, since what may be wrong in the scene is
+    /// looked for only where the answer depends on it.
+    pub fn fits(&self, performance: Performance, observer: &mut dyn Observer) -> Fits {
+        // What failed, or is doubted as far, does not, whatever the samples tell.
+        if self.estimate.fits() == Fits::No {
+            return Fits::No;
+        }
+        observer.phase(Phase::Adequacy);
+        let context = self.context();
+        let of = (&context, &self.solution, self.in_time(&context));
+        let judged = adequacy::judge(of, &self.errors, performance, FitAsked::Alone, observer);
+        judged.map_or(Fits::Unknown, |(fit, _)| fit.fits)
     }
 
     /// The motion from this one on where what flies is as the performance's scene says it is; `None` where there is none.

@@ -104,12 +104,11 @@ impl SharedTake {
         }
     }
 
-    /// Whether the motion as it was found explains its samples: of bodies by themselves several times the work of finding it,
-    /// done once.
+    /// Whether the motion as it was found explains its samples; of bodies by themselves this is told when it is first asked.
     pub fn fits(&mut self, observer: &mut dyn Observer) -> Fits {
         if let MotionFits::Unasked(performed) = &mut self.fits {
-            performed.judge(observer);
-            self.fits = MotionFits::Known(performed.inferred.solved.estimate.fits());
+            let (solved, performance) = performed.parts();
+            self.fits = MotionFits::Known(solved.fits(performance, observer));
         }
         match self.fits {
             MotionFits::Known(fits) => fits,

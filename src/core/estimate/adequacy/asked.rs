@@ -45,8 +45,18 @@ fn kept(scene: &Scene, strayed: Strayed, is_tried: bool, quantity: Quantity) -> 
     }
 }
 
+/// What is asked of how a motion fits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::estimate) enum FitAsked {
+    /// Whether the motion explains the performance, and what is suspected where it does not.
+    WithSuspects,
+    /// The first alone: suspects that cannot change it are not tried, and are not to be relied upon.
+    Alone,
+}
+
 /// What is asked of a motion.
 pub(in crate::estimate) struct Asked<'a> {
+    pub(in crate::estimate) of_fit: FitAsked,
     /// What is said to be true.
     pub(in crate::estimate) scene: &'a Scene,
     /// What it keeps fixed, in the order of the columns.
@@ -105,16 +115,19 @@ impl Asked<'_> {
     ) -> Result<(Fit, Vec<Suspect>), FitUntold> {
         let alone = NoiseAlone::of(of, fitted).ok_or(FitUntold::FewSamples)?;
         let is_noise = alone.explains();
-        // What noise explains is not far off.
-        let trials = self.trials.filter(|_| !is_noise);
-        let each = self.quantities.iter();
-        let kept = each.map(|of| kept(self.scene, self.strayed, trials.is_some(), *of));
-        let kept: Vec<KeptQuantity> = kept.collect();
         // Noise that explains residuals does not rule out a wander, which is as likely then.
         let told = match self.strayed {
             Strayed::Tracker => &alone.fitted,
             Strayed::Hand | Strayed::MaybeHand | Strayed::NoHand => fitted,
         };
+        // Where noise does not explain what a tracker saw, its size alone decides.
+        let is_decided = self.is_far || self.strayed == Strayed::Tracker || is_no_hand(of, told);
+        let is_idle = self.of_fit == FitAsked::Alone && is_decided;
+        // What noise explains is not far off.
+        let trials = self.trials.filter(|_| !is_noise && !is_idle);
+        let each = self.quantities.iter();
+        let kept = each.map(|of| kept(self.scene, self.strayed, trials.is_some(), *of));
+        let kept: Vec<KeptQuantity> = kept.collect();
         let mut looker = AskedLooker {
             asked: self,
             trials,

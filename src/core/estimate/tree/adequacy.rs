@@ -20,7 +20,7 @@ use self::candidates::{STEP, candidates, change};
 use self::linearised::Linearised;
 use self::trial::TreeTrials;
 use super::problem::TreeProblem;
-use crate::estimate::adequacy::asked::Asked;
+use crate::estimate::adequacy::asked::{Asked, FitAsked};
 use crate::estimate::covariance::in_time::Strayed;
 use crate::motion::{Fit, FitUntold, GoalUnit, Observer, Performer, Quantity, Scene, Suspect};
 
@@ -61,6 +61,7 @@ pub(super) fn judge(
         apart_s: strayed.apart_s(),
     };
     let asked = Asked {
+        of_fit: FitAsked::WithSuspects,
         scene,
         quantities: &quantities,
         joint,
