@@ -51,13 +51,20 @@ pub(super) fn run(arguments: ProcessArguments, verbose: bool) -> anyhow::Result<
                     Exit::NotWhole
                 }
             }
-            Ok(Processed::Present { recording, report }) => {
-                let is_undoubted = report.is_undoubted();
+            Ok(Processed::Present {
+                recording,
+                report,
+                ended_early,
+            }) => {
                 if format == Format::Ndjson {
-                    print_left_alone(&recording, "its estimate is there")?;
+                    let why = match ended_early {
+                        true => "its estimate is there, ended at its deadline",
+                        false => "its estimate is there",
+                    };
+                    print_left_alone(&recording, why)?;
                 }
-                summary.present(&recording, &report);
-                match is_undoubted {
+                summary.present(&recording, &report, ended_early);
+                match report.is_undoubted() && !ended_early {
                     true => Exit::Done,
                     false => Exit::NotWhole,
                 }

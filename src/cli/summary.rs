@@ -37,14 +37,15 @@ impl Summary {
     }
 
     /// An estimate that was there.
-    pub(super) fn present(&mut self, recording: &str, report: &EstimateReport) {
+    pub(super) fn present(&mut self, recording: &str, report: &EstimateReport, ended_early: bool) {
         match report.is_physical() {
             true => self.physical += 1,
             false => self.other += 1,
         }
-        let what = match report.is_undoubted() {
-            true => "was there",
-            false => "was there, look at its report",
+        let what = match (ended_early, report.is_undoubted()) {
+            (true, _) => "was there, ended at its deadline",
+            (false, true) => "was there",
+            (false, false) => "was there, look at its report",
         };
         self.without_motion(recording, &report.verdict, what);
     }

@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 /// From what an estimate was made.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Provenance {
     /// Program and version.
@@ -20,10 +20,12 @@ pub struct Provenance {
     pub recording_sha256: String,
     /// Of the scene's text.
     pub scene_sha256: String,
+    /// The time after which it was ended before all was tried \[s\]: what the command makes may be another, then.
+    pub ended_after_s: Option<f64>,
 }
 
 /// From what a file for other programs or for people was made.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ExportProvenance {
     /// Program and version.
     pub program: String,
@@ -61,8 +63,10 @@ impl ExportProvenance {
              {scene_sha256}), by {command:?}"
         )];
         lines.extend(estimate.as_ref().map(|of| {
+            let ended = of.ended_after_s;
+            let ended = ended.map_or(String::new(), |s| format!(", ended after {s} s"));
             format!(
-                "estimated by {} from {:?} (SHA-256 {}), by {:?}",
+                "estimated by {} from {:?} (SHA-256 {}), by {:?}{ended}",
                 of.program, of.recording, of.recording_sha256, of.command
             )
         }));

@@ -58,6 +58,11 @@ impl Deadline {
         self.begun.checked_add(self.limit?)
     }
 
+    /// How long it is \[s\].
+    pub(super) fn limit_s(&self) -> Option<f64> {
+        self.limit.map(|limit| limit.as_secs_f64())
+    }
+
     /// How long the job has taken so far.
     pub(super) fn elapsed(&self) -> Duration {
         self.begun.elapsed()

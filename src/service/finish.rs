@@ -16,7 +16,7 @@ use crate::config::scene_from_toml;
 use crate::ingest::{Recording, SCENE_NAME, TakeReport, is_pipe, listed, read_text};
 use crate::motion::Scene;
 use crate::pipeline::{Outcome, Pipeline};
-use crate::report::{Circumstances, RecordingReport, Reported, Spent};
+use crate::report::{Circumstances, Provenance, RecordingReport, Reported, Spent};
 use crate::write::{DEFAULT_FRAME_RATE_HZ, DEFAULT_WORLD_FRAME, EstimateFile, write_estimate};
 
 /// A recording and the scene with which it is read.
@@ -178,7 +178,8 @@ pub(super) fn finished(
     );
     working.now("writing");
     let writing = Instant::now();
-    write_outcome(opened, pipeline, take, &outcome, output)?;
+    let ended_after_s = opened.deadline.limit_s().filter(|_| ended_early);
+    write_outcome(opened, pipeline, take, &outcome, ended_after_s, output)?;
     let lost = lost(take);
     let circumstances = Circumstances {
         recording: recording.path().display().to_string(),
@@ -194,12 +195,13 @@ pub(super) fn finished(
     Ok((report, outcome))
 }
 
-/// Writes what came in and the estimate of it.
+/// Writes what came in and the estimate of it; after which time that was ended, if it was.
 pub(super) fn write_outcome(
     opened: &Opened,
     pipeline: &Pipeline,
     take: &TakeReport,
     outcome: &Outcome,
+    ended_after_s: Option<f64>,
     output: &Path,
 ) -> anyhow::Result<()> {
     let recording = &opened.recording;
@@ -212,12 +214,10 @@ pub(super) fn write_outcome(
             made_of: &made_of,
             of: reported(outcome),
             scene_toml: &opened.scene_toml,
-            provenance: Some(&provenance(
-                recording,
-                &opened.scene_toml,
-                scene_file,
-                pipeline,
-            )),
+            provenance: Some(&Provenance {
+                ended_after_s,
+                ..provenance(recording, &opened.scene_toml, scene_file, pipeline)
+            }),
             world_frame: world_frame(take),
             log_offset_ns: take.log_offset_ns.unwrap_or(0),
             frame_rate_hz: DEFAULT_FRAME_RATE_HZ,

@@ -39,7 +39,19 @@ pub struct TakeInMemory {
 pub struct EstimateInMemory {
     /// The estimate, and what belongs to it.
     pub outcome: Outcome,
+    /// The time after which it was ended before all was tried \[s\]; whoever ended it says it here, for the file.
+    pub ended_after_s: Option<f64>,
     pipeline: Pipeline,
+}
+
+impl EstimateInMemory {
+    fn new(outcome: Outcome, pipeline: Pipeline) -> Self {
+        Self {
+            outcome,
+            ended_after_s: None,
+            pipeline,
+        }
+    }
 }
 
 impl TakeInMemory {
@@ -109,7 +121,7 @@ impl TakeInMemory {
         });
         let recording = || self.opened.recording.path().display().to_string();
         let (outcome, kept) = outcome.with_context(recording)?;
-        Ok((EstimateInMemory { outcome, pipeline }, kept))
+        Ok((EstimateInMemory::new(outcome, pipeline), kept))
     }
 
     /// The motion as a preview has it: without the errors of a hand, unchecked but for overlaps, in a fraction of the time. Fails
@@ -126,7 +138,7 @@ impl TakeInMemory {
             let outcome = previewed.map(|of| of.outcome.clone());
             outcome.context("joined bodies have no preview, expected an estimate")
         })?;
-        Ok(EstimateInMemory { outcome, pipeline })
+        Ok(EstimateInMemory::new(outcome, pipeline))
     }
 
     /// The estimate from one of the same recording on, whose scene has other goals ([`KeptMotion::with_goals_of`]); `None` where
@@ -144,7 +156,7 @@ impl TakeInMemory {
             let found = kept.with_goals_of(scene, taken.scene(), taken.marks(), is_told, observer);
             Ok(found.map(|(kept, outcome)| {
                 let pipeline = taken.clone().in_scene(scene.clone());
-                (EstimateInMemory { outcome, pipeline }, kept)
+                (EstimateInMemory::new(outcome, pipeline), kept)
             }))
         })
     }
@@ -161,12 +173,16 @@ impl TakeInMemory {
     pub fn provenance(&self, of: &EstimateInMemory) -> Provenance {
         let opened = &self.opened;
         let scene_file = opened.scene_file.as_deref();
-        provenance(
+        let made_of = provenance(
             &opened.recording,
             &opened.scene_toml,
             scene_file,
             &of.pipeline,
-        )
+        );
+        Provenance {
+            ended_after_s: of.ended_after_s,
+            ..made_of
+        }
     }
 
     /// Writes the file that `replay` writes. Fails where that is one of those which were read.
@@ -179,6 +195,7 @@ impl TakeInMemory {
             &of.pipeline,
             &self.take.report,
             &of.outcome,
+            of.ended_after_s,
             output,
         )
     }

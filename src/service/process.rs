@@ -20,7 +20,7 @@ use super::read_back::ReadBack;
 use super::working::Working;
 use crate::ingest::Recording;
 use crate::pipeline::Pipeline;
-use crate::report::{EstimateReport, RecordingReport};
+use crate::report::{EstimateReport, Provenance, RecordingReport};
 use crate::write::has_estimate;
 
 /// The input of [`process`].
@@ -38,7 +38,8 @@ pub struct ProcessJob {
     pub is_diagnosing: bool,
     /// How long reading and estimating each may take; no limit by default.
     pub deadline: Option<Duration>,
-    /// Whether an estimate that is there is kept, where it is of the same recording, scene, program and options.
+    /// Whether an estimate that is there is kept, where it is of the same recording, scene, program and options. One that its
+    /// deadline ended is made again where it may take longer now.
     pub is_resuming: bool,
 }
 
@@ -53,6 +54,8 @@ pub enum Processed {
         recording: String,
         /// What it says.
         report: Box<EstimateReport>,
+        /// Whether its deadline ended it.
+        ended_early: bool,
     },
     /// It holds an estimate already: an output among the inputs.
     LeftAlone {
@@ -173,7 +176,7 @@ fn one(
         let pipeline = pipeline.with_free_auto(job.is_free_auto);
         let pipeline = pipeline.with_diagnoses(job.is_diagnosing);
         if job.is_resuming
-            && let Some(present) = present(&opened, &pipeline, output)
+            && let Some(present) = present(&opened, &pipeline, job.deadline, output)
         {
             return Ok(present);
         }
@@ -187,8 +190,14 @@ fn one(
     })
 }
 
-/// The estimate that is there, if it is the one that would be made.
-fn present(opened: &Opened, pipeline: &Pipeline, output: &Path) -> Option<Processed> {
+/// The estimate that is there, if it is the one that would be made. One that was ended is so where there is no more time now: from
+/// the same time another machine, or hour, makes another, and none is better for that.
+fn present(
+    opened: &Opened,
+    pipeline: &Pipeline,
+    deadline: Option<Duration>,
+    output: &Path,
+) -> Option<Processed> {
     let read = ReadBack::open(output).ok()?;
     if !read.lost().is_empty() {
         return None;
@@ -196,12 +205,19 @@ fn present(opened: &Opened, pipeline: &Pipeline, output: &Path) -> Option<Proces
     let motion = read.motion;
     let scene_file = opened.scene_file.as_deref();
     let made_of = provenance(&opened.recording, &opened.scene_toml, scene_file, pipeline);
-    if motion.provenance != Some(made_of) {
+    let ended_after_s = motion.provenance.as_ref()?.ended_after_s;
+    let would_be = Provenance {
+        ended_after_s,
+        ..made_of
+    };
+    let is_longer_now = |ended_s: f64| deadline.is_none_or(|now| now.as_secs_f64() > ended_s);
+    if motion.provenance != Some(would_be) || ended_after_s.is_some_and(is_longer_now) {
         return None;
     }
     let report: EstimateReport = serde_json::from_slice(&motion.report).ok()?;
     Some(Processed::Present {
         recording: opened.recording.path().display().to_string(),
         report: Box::new(report),
+        ended_early: ended_after_s.is_some(),
     })
 }

@@ -82,5 +82,6 @@ pub(super) fn provenance(
         recording: name,
         recording_sha256: sha256(recording.container().bytes()),
         scene_sha256: sha256(scene_toml),
+        ended_after_s: None,
     }
 }

@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::Path;
 use std::process::Output;
+use std::time::Instant;
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -130,4 +131,58 @@ fn what_is_done_is_kept_where_it_is_of_the_same() {
     let mended = run(&options);
     assert_eq!(named(&mended, "enact.recording/1").len(), 1, "{mended:?}");
     assert_eq!(fs::read(&path).expect("it"), bytes);
+}
+
+/// Estimates one recording with a deadline that ends it: the words of the deadline. How long that takes differs from run to run.
+fn ended_early(folder: &TempDir, words: &[&str]) -> String {
+    let begun = Instant::now();
+    let whole = enact(folder.path(), words);
+    assert!(matches!(whole.status.code(), Some(0 | 3)), "{whole:?}");
+    let (mut low_s, mut high_s) = (0.0, begun.elapsed().as_secs_f64());
+    for _ in 0..40 {
+        let limit_s = 0.5 * (low_s + high_s);
+        let limit = format!("{}us", (limit_s * 1e6) as u64 + 1);
+        let lines = schemas(&enact(
+            folder.path(),
+            &[words, &["--deadline", &limit]].concat(),
+        ));
+        match named(&lines, "enact.recording/1").first() {
+            None => low_s = limit_s,
+            Some(line) if line["ended_early"] == true => return limit,
+            Some(_) => high_s = limit_s,
+        }
+    }
+    panic!("no deadline ends it");
+}
+
+#[test]
+fn what_a_deadline_ended_is_made_again_where_there_is_more_time() {
+    let folder = TempDir::new().expect("folder");
+    let recording = Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings/hat_box_bent.mcap");
+    fs::copy(recording, folder.path().join("bent.mcap")).expect("copy");
+    let words = ["process", "bent.mcap", "-o", "done", "--format", "ndjson"];
+    let limit = ended_early(&folder, &words);
+    let written = || fs::read(folder.path().join("done/bent.estimate.mcap")).expect("it");
+    let ended = written();
+
+    let again = |more: &[&str]| enact(folder.path(), &[&words[..], &["--resume"], more].concat());
+    let kept = again(&["--deadline", &limit]);
+    let lines = schemas(&kept);
+    let left = named(&lines, "enact.left_alone/1");
+    assert_eq!(left.len(), 1, "{lines:?}");
+    assert_eq!(
+        left[0]["why"],
+        "its estimate is there, ended at its deadline"
+    );
+    assert_eq!(kept.status.code(), Some(3), "it is not whole");
+    assert_eq!(written(), ended);
+
+    for more in [&["--deadline", "1000s"][..], &[]] {
+        let made = schemas(&again(more));
+        let made = named(&made, "enact.recording/1");
+        // The second is there already: nothing ended it.
+        assert_eq!(made.len(), usize::from(!more.is_empty()), "{more:?}");
+        assert!(made.iter().all(|line| line["ended_early"] == false));
+        assert_ne!(written(), ended);
+    }
 }

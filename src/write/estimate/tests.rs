@@ -84,6 +84,7 @@ fn made_from() -> Provenance {
         recording: "in.mcap".to_owned(),
         recording_sha256: "00".repeat(32),
         scene_sha256: "11".repeat(32),
+        ended_after_s: None,
     }
 }
 

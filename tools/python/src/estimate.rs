@@ -37,15 +37,16 @@ pub struct Estimate {
 impl Estimate {
     pub fn new(
         take: Arc<TakeInMemory>,
-        (of, kept): (EstimateInMemory, Option<KeptMotion>),
+        (mut of, kept): (EstimateInMemory, Option<KeptMotion>),
         watch: Watch,
     ) -> Self {
         let spent = watch.spent.into_iter();
+        of.ended_after_s = watch.ended_after.map(|after| after.as_secs_f64());
         Self {
             take,
-            of,
             kept: Mutex::new(kept),
-            is_late: watch.is_late,
+            is_late: of.ended_after_s.is_some(),
+            of,
             is_warm: false,
             spent: spent
                 .map(|(phase, spent)| (phase.as_str(), spent.as_secs_f64()))

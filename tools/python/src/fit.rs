@@ -5,8 +5,8 @@ use std::thread;
 use std::time::Duration;
 
 use enact::service::{
-    AskedNames, FitInput, FitJob, FitQuestion, FitStop, FittedTakes, HoldOut, JoinedBlocks, SceneInMemory, TakeBlock, fit,
-    join, reduce,
+    AskedNames, FitInput, FitJob, FitQuestion, FitStop, FittedTakes, HoldOut, JoinedBlocks,
+    SceneInMemory, TakeBlock, fit, join, reduce,
 };
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

@@ -16,9 +16,10 @@ pub fn limit(deadline_s: Option<f64>) -> Option<Duration> {
 /// The observer of a run that has let go of the interpreter.
 pub struct Watch {
     deadline: Option<Instant>,
+    begun: Instant,
     looked: Instant,
-    /// Whether the deadline, or whoever is told, ended it.
-    pub is_late: bool,
+    /// After which time the deadline, or whoever is told, ended it.
+    pub ended_after: Option<Duration>,
     /// What a signal raised, `KeyboardInterrupt`, or whoever is told.
     pub raised: Option<PyErr>,
     /// Who is told the phase now and then, and says whether to stop.
@@ -35,8 +36,9 @@ impl Watch {
         let now = Instant::now();
         Self {
             deadline: limit.and_then(|limit| now.checked_add(limit)),
+            begun: now,
             looked: now,
-            is_late: false,
+            ended_after: None,
             raised: None,
             told: None,
             phase: (Phase::Done, now),
@@ -49,6 +51,10 @@ impl Watch {
     /// The same that tells somebody.
     pub fn telling(self, told: Option<Py<PyAny>>) -> Self {
         Self { told, ..self }
+    }
+
+    fn end(&mut self, now: Instant) {
+        self.ended_after.get_or_insert(now - self.begun);
     }
 
     /// Tells the phase; whether that is to stop the run.
@@ -79,14 +85,20 @@ impl Observer for Watch {
 
     fn should_stop(&mut self) -> bool {
         let now = Instant::now();
-        self.is_late |= self.deadline.is_some_and(|deadline| now >= deadline);
+        if self.deadline.is_some_and(|deadline| now >= deadline) {
+            self.end(now);
+        }
         if self.raised.is_none() && now - self.looked >= BETWEEN {
             match self.tell() {
-                Ok(is_stopped) => self.is_late |= is_stopped,
+                Ok(is_stopped) => {
+                    if is_stopped {
+                        self.end(now);
+                    }
+                }
                 Err(raised) => self.raised = Some(raised),
             }
             self.looked = Instant::now();
         }
-        self.is_late || self.raised.is_some()
+        self.ended_after.is_some() || self.raised.is_some()
     }
 }
