@@ -5,7 +5,7 @@ on the same takes of known truth.
     python tools/peers/several.py ANSWERS [--seeds 5] [--takes 10] [--first 9000]
 
 ANSWERS is a JSON file, written anew after each answer: answers that are there are kept, so that a run that ended goes on from there. An answer of MuJoCo
-takes minutes.
+takes a minute of a core and more.
 
 A ball is thrown along a table, slides as it bounces once, and its tracker sees all of that with white noise. Friction, the contact, gravity, where
 the tracker is and each take's motion are unknown to both. MuJoCo shoots through the impact, from where lines through the first twelve samples

@@ -26,6 +26,7 @@ mod elbow;
 mod failure;
 mod figure;
 mod fit;
+mod fit_peers;
 mod flow;
 mod goals;
 mod held;
@@ -130,6 +131,11 @@ const SUBJECTS: &[Subject] = &[
         phases::run
     ),
     subject!("fit", "one answer from many takes", fit::run),
+    subject!(
+        "fit_peers",
+        "one answer from many takes, beside MuJoCo's system identification",
+        fit_peers::run
+    ),
     subject!("peers", "general solvers on the same problems", peers::run),
     subject!(
         "methods",
