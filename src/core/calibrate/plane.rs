@@ -1,6 +1,7 @@
 //! The plane that is touched.
 
 use nalgebra::{Matrix3, Vector3};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::error::CalibrateError;
 use super::spread::{Measured, quantile};
@@ -18,8 +19,8 @@ const GREATEST_TILT_RAD: f64 = 0.17;
 /// With fewer touches none is called an outlier.
 const LEAST_FOR_OUTLIERS: usize = 6;
 
-/// A touch that is so many of the others' standard deviations off their plane is none.
-const OUTLIER: f64 = 8.0;
+/// How often one of touches that are all right is called an outlier at most.
+const BY_CHANCE: f64 = 1e-3;
 
 /// A moment at which the body touched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,7 +111,7 @@ pub fn plane(
     let mut used: Vec<usize> = (0..touches.len()).collect();
     let mut outliers = Vec::new();
     while used.len() >= LEAST_FOR_OUTLIERS {
-        let Some(at) = outlier(touches, &used)? else {
+        let Some(at) = outlier(touches, &used) else {
             break;
         };
         outliers.push(used.remove(at));
@@ -217,28 +218,30 @@ impl FittedPlane {
         let freedom = self.count.checked_sub(3).filter(|freedom| *freedom > 0)?;
         Some((self.square_m2 / freedom as f64).sqrt())
     }
+
+    /// How likely another touch is as far off the plane by chance: its distance in deviations of such a distance, which the
+    /// plane's own errors make greater, is Student's. `None` where nothing is known of them.
+    fn chance(&self, touch: &Touch) -> Option<f64> {
+        let sd_m = self.sd_m().filter(|sd_m| *sd_m > 0.0)?;
+        let off_m = touch.point_m - self.middle_m;
+        let along = self.axes.iter().zip(&self.extents_m);
+        let along = along.map(|(axis, extent_m)| (off_m.dot(axis) / extent_m).powi(2));
+        let leverage = 1.0 + (self.count as f64).recip() + along.sum::<f64>();
+        let law = StudentsT::new(0.0, 1.0, self.count as f64 - 3.0).ok()?;
+        Some(2.0 * law.sf(off_m.dot(&self.normal).abs() / (sd_m * leverage.sqrt())))
+    }
 }
 
-/// The touch that is farthest off the plane of the others, if it is too far.
-fn outlier(touches: &[Touch], used: &[usize]) -> Result<Option<usize>, CalibrateError> {
-    let mut worst: Option<(usize, f64)> = None;
-    for at in 0..used.len() {
+/// The touch that is least likely to be off the plane of the others by chance, if that is too unlikely for one of so many.
+fn outlier(touches: &[Touch], used: &[usize]) -> Option<usize> {
+    let chance = |at: usize| {
         let others = used.iter().enumerate().filter(|(other, _)| *other != at);
         let others: Vec<Touch> = others.map(|(_, index)| touches[*index]).collect();
         // Without it the others may lie in a line: then it is needed.
-        let Ok(fitted) = FittedPlane::of(&others) else {
-            continue;
-        };
-        let Some(sd_m) = fitted.sd_m().filter(|sd_m| *sd_m > 0.0) else {
-            continue;
-        };
-        let off_m = (touches[used[at]].point_m - fitted.middle_m).dot(&fitted.normal);
-        let ratio = off_m.abs() / sd_m;
-        if worst.is_none_or(|(_, most)| ratio > most) {
-            worst = Some((at, ratio));
-        }
-    }
-    Ok(worst
-        .filter(|(_, ratio)| *ratio > OUTLIER)
-        .map(|(at, _)| at))
+        FittedPlane::of(&others).ok()?.chance(&touches[used[at]])
+    };
+    let each = (0..used.len()).filter_map(|at| Some((at, chance(at)?)));
+    let least = each.min_by(|a, b| a.1.total_cmp(&b.1));
+    let is_unlikely = |(_, chance): &(usize, f64)| chance * (used.len() as f64) < BY_CHANCE;
+    least.filter(is_unlikely).map(|(at, _)| at)
 }
