@@ -106,7 +106,7 @@ impl InTime {
         let is_noise = alone.explains();
         let errors = match is_noise {
             true => alone.fitted.errors,
-            false => wandering.errors.clone(),
+            false => wandering.errors,
         };
         let near_kinks = (strayed.may_be_hand() && !is_noise).then(|| {
             let (point, epochs_s) = (&solution.point, &context.epochs_s);

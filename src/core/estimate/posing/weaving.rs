@@ -117,7 +117,7 @@ impl Problem {
             }
         }
         self.woven_as(&Weave {
-            errors: errors.clone(),
+            errors: *errors,
             hands,
         })
     }

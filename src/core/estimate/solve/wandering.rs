@@ -106,8 +106,8 @@ fn refined(
     let expected = LikelyErrors::EXPECTED;
     let is_motion = start.finished.converged;
     let mut errors = match is_motion {
-        true => likely_at_start(posed, &start, epochs_s).unwrap_or(expected.clone()),
-        false => expected.clone(),
+        true => likely_at_start(posed, &start, epochs_s).unwrap_or(expected),
+        false => expected,
     };
     let mut may_be_expected = is_motion;
     let mut best: Option<(Posed, Solution)> = None;
@@ -141,7 +141,7 @@ fn refined(
             }
             // Where the motion of white noise is far off, its residuals tell little of a hand.
             may_be_expected = false;
-            errors = expected.clone();
+            errors = expected;
             continue;
         }
         let apart_s = match is_as_expected(&woven, &found) {

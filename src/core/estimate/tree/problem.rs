@@ -110,7 +110,7 @@ impl TreeProblem {
             sample.acted_s == last_s
         });
         let share = kept.len() as f64 / self.samples.len() as f64;
-        let mut errors = self.errors.clone();
+        let mut errors = self.errors;
         match &mut errors {
             // A wander is the same however often it is seen.
             Some(LikelyErrors { processes, .. }) => {

@@ -278,6 +278,29 @@ pub fn weighed(gains: &[Gain], residuals: &[[f64; 3]]) -> Vec<[f64; 3]> {
     weighed
 }
 
+/// `V u` of samples in order of time, three axes alike: what [`weighed`] undoes.
+pub fn covered(gains: &[Gain], weighed: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let mut covered = weighed.to_vec();
+    let mut adjoints = [Vector3::<f64>::zeros(); 3];
+    for (gain, numbers) in gains.iter().zip(&mut covered).rev() {
+        for (number, adjoint) in numbers.iter_mut().zip(&mut adjoints) {
+            let observed = Vector3::new(*number, 0.0, *number);
+            *number = (*number - gain.gain.dot(adjoint)) / gain.per_sd;
+            *adjoint = gain.by.tr_mul(&(*adjoint - observed));
+        }
+    }
+    let mut means = [Vector3::<f64>::zeros(); 3];
+    for (gain, numbers) in gains.iter().zip(&mut covered) {
+        for (number, mean) in numbers.iter_mut().zip(&mut means) {
+            let expected = gain.by * *mean;
+            let off = *number / gain.per_sd;
+            *number = off + expected.x + expected.z;
+            *mean = expected + gain.gain * off;
+        }
+    }
+    covered
+}
+
 #[cfg(test)]
 mod tests {
     use nalgebra::{DMatrix, DVector};
@@ -337,6 +360,14 @@ mod tests {
             .map(|row| [row[0], row[1], row[2]])
             .collect();
         let solved = factor.solve(&columns);
+        for (given, stated) in covered(&gains, &weighed(&gains, &residuals))
+            .iter()
+            .zip(&residuals)
+        {
+            for (given, stated) in given.iter().zip(stated) {
+                assert!((given - stated).abs() < 1e-9, "{given} {stated}");
+            }
+        }
         for (row, three) in weighed(&gains, &residuals).iter().enumerate() {
             for (column, number) in three.iter().enumerate() {
                 let off = (number - solved[(row, column)]).abs();

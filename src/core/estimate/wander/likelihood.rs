@@ -8,13 +8,15 @@
 //! ```
 //!
 //! A take tells little of some of the numbers, so that each has a prior about [`Process::EXPECTED`], normal in its
-//! logarithm. The best are found by Broyden, Fletcher, Goldfarb and Shanno's method.
+//! logarithm. The best are found by Newton's method, with the average information in place of second derivatives (Gilmour,
+//! Thompson and Cullis, Biometrics 51, 1995) and what the last steps tell beside it: where errors are less than any hand's it is
+//! too small.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::process::{LogProcess, Process};
-use super::series::{SeriesRows, WhitenedProducts};
+use super::series::{AskedSlopes, SeriesRows, WhitenedProducts};
 use crate::motion::Tested;
 
 /// Above this probability of the residuals under noise alone, noise explains them.
@@ -23,59 +25,41 @@ const WELL: f64 = 1e-3;
 const SPREADS: LogProcess = [1.5, 1.0, 1.5, 0.8, 1.5];
 /// Samples that are nearer to one another tell little more of a hand \[s\].
 pub const APART_S: f64 = 1.0 / 35.0;
-/// By how much each number changes with another one in directions that samples tell by themselves: with `a` at one `ℓ`, with `ℓ`
-/// at one `a²/ℓ³`, which is all that short samples tell of the smooth part; with `b` at one `m`, with `m` at one `b²/m`.
-const DIRECTIONS: [LogProcess; Process::COUNT] = [
-    [1.0, 0.0, 0.0, 0.0, 0.0],
-    [1.5, 1.0, 0.0, 0.0, 0.0],
-    [0.0, 0.0, 1.0, 0.0, 0.0],
-    [0.0, 0.0, 0.5, 1.0, 0.0],
-    [0.0, 0.0, 0.0, 0.0, 1.0],
-];
 /// Greatest number of steps.
 const STEPS: usize = 30;
 /// Step of the differences of gains.
 const STEP: f64 = 1e-4;
-/// Step of second differences, and the least second derivative that they may tell.
-const WIDE_STEP: f64 = 0.1;
-const LEAST_CURVATURE: f64 = 1.0;
 /// The longest step in any logarithm.
 const LONGEST: f64 = 1.5;
-/// Errors that were told once stay where the next step would change no logarithm by more than this.
-const SHORTEST: f64 = 0.02;
-/// Steps end where one gains less than this of `−2 log L`.
-const GAIN: f64 = 0.001;
+/// How many of the last steps tell how slopes change.
+const LAST: usize = 3;
+/// Greatest number of times that a step is made shorter, and by how much each time.
+const SHORTENINGS: usize = 8;
+const SHORTER: f64 = 0.3;
+/// Steps end where the next one promises less than this of `−2 log L`.
+const GAIN: f64 = 0.002;
 
 /// Errors as they are thought to be.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct LikelyErrors {
     /// Errors of positions, and of orientations and directions.
     pub processes: [Process; 2],
-    /// The inverse of the Hessian of `−2 log L` by their logarithms, where a search told it.
-    inverse: Option<DMatrix<f64>>,
 }
 
 impl LikelyErrors {
     /// Before anything is seen.
     pub const EXPECTED: Self = Self {
         processes: [Process::EXPECTED; 2],
-        inverse: None,
     };
 
-    /// Of which no more is known.
+    /// Of these sizes and times.
     pub fn of(processes: [Process; 2]) -> Self {
-        Self {
-            processes,
-            inverse: None,
-        }
+        Self { processes }
     }
 
     /// The same with all sizes so many times as great.
     pub fn times(self, factor: f64) -> Self {
-        Self {
-            processes: self.processes.map(|of| of.times(factor)),
-            ..self
-        }
+        Self::of(self.processes.map(|of| of.times(factor)))
     }
 }
 
@@ -137,11 +121,9 @@ impl Restricted<'_> {
     /// What follows of errors of these sizes and times; `None` where a number is none.
     pub fn at(&self, errors: &LikelyErrors) -> Option<FittedErrors> {
         let processes = &errors.processes;
-        let [positions, orientations] = self.products(processes);
-        Some(FittedErrors {
-            errors: errors.clone(),
-            ..self.with(processes, [&positions, &orientations])?
-        })
+        let [positions, orientations] =
+            [0, 1].map(|kind| self.rows.products(kind, &processes[kind]));
+        self.with(processes, [&positions, &orientations])
     }
 
     /// The likeliest errors, from where they are thought to be: as samples tell them that are at least so far apart \[s\]. They
@@ -155,7 +137,8 @@ impl Restricted<'_> {
             priors: &priors,
             ..*self
         };
-        narrow.search(from)
+        let is_first = from.processes == LikelyErrors::EXPECTED.processes;
+        narrow.search(&if is_first { narrow.first() } else { *from })
     }
 
     /// Some of the columns: their rows, and products of priors.
@@ -192,46 +175,24 @@ impl Restricted<'_> {
     /// Searches among the numbers of the parts that are there, of kinds that are shown.
     fn search(&self, from: &LikelyErrors) -> Option<LikelyErrors> {
         let kinds = (0..2).filter(|kind| self.rows.shows(*kind));
-        let places = kinds.flat_map(|kind| {
+        let numbers = kinds.flat_map(|kind| {
             let there = (0..Process::COUNT).filter(move |of| from.processes[kind].has(*of));
-            there.map(move |number| (kind, number))
+            there.map(move |number| NumberOf { kind, number })
         });
-        let places: Vec<(usize, usize)> = places.collect();
-        let size = places.len();
-        let place = |at: usize| places[at];
+        let numbers: Vec<NumberOf> = numbers.collect();
         let mut logs = from.processes.map(|process| process.logs());
-        if from.inverse.is_none() {
-            // Taken for too small, noise would be told as a rough part that changes from sample to sample.
-            for kind in (0..2).filter(|kind| from.processes[*kind].wanders()) {
-                let noise_sd = self.rows.neighbours_sd(kind);
-                let noise = &mut logs[kind][Process::NOISE];
-                *noise = noise_sd.map_or(*noise, f64::ln);
-            }
-        }
         let mut here = self.valued(&logs)?;
-        let mut slope = self.slope(&logs, &here, size, &place);
-        let known = from.inverse.clone().filter(|known| known.nrows() == size);
-        let is_told = known.is_some();
-        let mut inverse = match known {
-            Some(known) => known,
-            None => self.inverse_curvatures(&here, &logs, size, &place)?,
-        };
+        let mut slopes = self.slopes(&logs, &here, &numbers);
+        let mut changes: Vec<SlopeChange> = Vec::new();
         for _ in 0..STEPS {
-            let mut step = -(&inverse * &slope);
-            if step.dot(&slope) >= 0.0 {
-                inverse = self.inverse_curvatures(&here, &logs, size, &place)?;
-                step = -(&inverse * &slope);
-            }
-            if is_told && step.amax() < SHORTEST {
+            let Some(mut step) = slopes.step(&numbers, &changes) else {
                 break;
-            }
-            step *= (LONGEST / step.amax().max(f64::MIN_POSITIVE)).min(1.0);
+            };
             let mut moved = None;
-            for _ in 0..8 {
+            for _ in 0..SHORTENINGS {
                 let mut there_logs = logs;
-                for (at, by) in step.iter().enumerate() {
-                    let (kind, number) = place(at);
-                    there_logs[kind][number] += by;
+                for (of, by) in numbers.iter().zip(step.iter()) {
+                    there_logs[of.kind][of.number] += by;
                 }
                 let there_logs = there_logs.map(|of| Process::of_logs(&of).logs());
                 let there = self.valued(&there_logs);
@@ -239,122 +200,95 @@ impl Restricted<'_> {
                     moved = Some((there_logs, there));
                     break;
                 }
-                step *= 0.3;
+                step *= SHORTER;
             }
             let Some((there_logs, there)) = moved else {
                 break;
             };
-            let gained = here.merit - there.merit;
             (logs, here) = (there_logs, there);
-            if gained < GAIN {
-                break;
-            }
-            let slope_there = self.slope(&logs, &here, size, &place);
-            update(&mut inverse, &step, &(&slope_there - &slope));
-            slope = slope_there;
+            let next = self.slopes(&logs, &here, &numbers);
+            let change = &next.merit - &slopes.merit;
+            changes.push(SlopeChange { step, change });
+            slopes = next;
         }
-        Some(LikelyErrors {
-            processes: logs.map(|of| Process::of_logs(&of)),
-            inverse: Some(inverse),
-        })
+        Some(LikelyErrors::of(logs.map(|of| Process::of_logs(&of))))
     }
 
-    /// Products of both kinds.
-    fn products(&self, processes: &[Process; 2]) -> [WhitenedProducts; 2] {
-        [0, 1].map(|kind| self.rows.products(kind, &processes[kind]))
+    /// Where the search begins before anything is seen: with sizes as far from what is expected as the residuals are, and the noise
+    /// of neighbours. Taken for too small, noise would be told as a rough part that changes from sample to sample.
+    fn first(&self) -> LikelyErrors {
+        LikelyErrors::of([0, 1].map(|kind| {
+            if !self.rows.shows(kind) {
+                return Process::EXPECTED;
+            }
+            // Of residuals that are nothing it is the least there is.
+            let far = self.rows.residual_rms(kind).max(f64::EPSILON);
+            let mut logs = Process::EXPECTED.times(far).logs();
+            if let Some(noise_sd) = self.rows.neighbours_sd(kind) {
+                logs[Process::NOISE] = noise_sd.ln();
+            }
+            Process::of_logs(&logs)
+        }))
     }
 
-    fn valued(&self, logs: &[LogProcess; 2]) -> Option<Likelihood> {
-        let processes = logs.map(|of| Process::of_logs(&of));
-        let products = self.products(&processes);
-        let all = [&products[0], &products[1]];
-        let of = self.with(&processes, all)?;
-        of.merit.is_finite().then_some(Likelihood {
-            merit: of.merit,
-            answer: of.answer,
-            information: of.information,
-            products,
-        })
-    }
-
-    /// Slope of the merit by some numbers of the kinds that are shown: with `x = A⁻¹ Jᵀ V⁻¹ r`, it changes by the products as
+    /// Slopes of the merit by some numbers, and its average information. With `x = A⁻¹ Jᵀ V⁻¹ r`, it changes by the products as
     ///
     /// ```text
     /// tr (A⁻¹ dG_JJ) + yᵀ dG y,   y = (−x, 1)
     /// ```
-    fn slope(
+    fn slopes(
         &self,
         logs: &[LogProcess; 2],
-        here: &Likelihood,
-        size: usize,
-        place: &dyn Fn(usize) -> (usize, usize),
-    ) -> DVector<f64> {
+        here: &FittedErrors,
+        numbers: &[NumberOf],
+    ) -> MeritSlopes {
         let (free, last) = (self.free, self.rows.count() - 1);
-        let mut direction = DVector::zeros(last + 1);
-        direction.rows_mut(0, free).copy_from(&-&here.answer);
-        direction[last] = 1.0;
-        let mut by_gram = &direction * direction.transpose();
+        let mut left = DVector::zeros(last + 1);
+        left.rows_mut(0, free).copy_from(&-&here.answer);
+        left[last] = 1.0;
+        let mut by_gram = &left * left.transpose();
         let mut own = by_gram.view_mut((0, 0), (free, free));
         own += here.information.inverse();
+        let asked = AskedSlopes { by_gram, left };
+        let processes = logs.map(|of| Process::of_logs(&of));
         let of_kinds = [0, 1].map(|kind| {
             let is_shown = self.rows.shows(kind);
-            let process = Process::of_logs(&logs[kind]);
-            let of_rows = is_shown.then(|| self.rows.slopes(kind, &process, &by_gram, STEP));
-            let of_rows = of_rows.unwrap_or_default();
-            let of_prior = penalty_slopes(&logs[kind]);
-            std::array::from_fn::<f64, { Process::COUNT }, _>(|at| of_rows[at] + of_prior[at])
+            is_shown.then(|| self.rows.slopes(kind, &processes[kind], &asked, STEP))
         });
-        DVector::from_fn(size, |at, _| {
-            let (kind, number) = place(at);
-            let slope = of_kinds[kind][number];
-            // Noise that is the least there is becomes no less.
-            let is_least = number == Process::NOISE && Process::of_logs(&logs[kind]).is_exact();
-            if is_least { slope.min(0.0) } else { slope }
-        })
+        let size = numbers.len();
+        let (mut merit, mut information) = (DVector::zeros(size), DMatrix::zeros(size, size));
+        let mut across = DMatrix::zeros(free, size);
+        for (at, of) in numbers.iter().enumerate() {
+            let own = of_kinds[of.kind].as_ref().expect("a kind that is shown");
+            let (log, spread) = (logs[of.kind][of.number], SPREADS[of.number]);
+            let expected = Process::EXPECTED.logs()[of.number];
+            merit[at] = own.slopes[of.number] + 2.0 * (log - expected) / spread.powi(2);
+            let column = own.across.column(of.number);
+            across.column_mut(at).copy_from(&column.rows(0, free));
+            for (other, beside) in numbers.iter().enumerate() {
+                if of.kind == beside.kind {
+                    information[(at, other)] = own.of_left[(of.number, beside.number)];
+                }
+            }
+        }
+        information -= across.tr_mul(&here.information.solve(&across));
+        for (at, of) in numbers.iter().enumerate() {
+            information[(at, at)] += 2.0 / SPREADS[of.number].powi(2);
+            // What is the least there is becomes no less.
+            if processes[of.kind].is_least(of.number) && merit[at] > 0.0 {
+                merit[at] = 0.0;
+                information.fill_row(at, 0.0);
+                information.fill_column(at, 0.0);
+                information[(at, at)] = 1.0;
+            }
+        }
+        MeritSlopes { merit, information }
     }
 
-    /// The inverse Hessian of the merit, where second derivatives by [`DIRECTIONS`] are all that there are.
-    fn inverse_curvatures(
-        &self,
-        here: &Likelihood,
-        logs: &[LogProcess; 2],
-        size: usize,
-        place: &dyn Fn(usize) -> (usize, usize),
-    ) -> Option<DMatrix<f64>> {
-        let mut inverse = DMatrix::zeros(size, size);
-        for at in 0..size {
-            let beside = |by: f64| self.beside(here, logs, place(at), by);
-            let bent = beside(WIDE_STEP)? + beside(-WIDE_STEP)? - 2.0 * here.merit;
-            let bent = bent / WIDE_STEP.powi(2);
-            let (kind, number) = place(at);
-            let direction = DVector::from_fn(size, |other, _| match place(other) {
-                (of, other) if of == kind => DIRECTIONS[number][other],
-                _ => 0.0,
-            });
-            inverse += &direction * direction.transpose() / bent.max(LEAST_CURVATURE);
-        }
-        Some(inverse)
-    }
-
-    /// The merit farther along a direction of one kind: only that kind's products change.
-    fn beside(
-        &self,
-        here: &Likelihood,
-        logs: &[LogProcess; 2],
-        (kind, number): (usize, usize),
-        by: f64,
-    ) -> Option<f64> {
-        let mut there = *logs;
-        for (log, along) in there[kind].iter_mut().zip(DIRECTIONS[number]) {
-            *log += by * along;
-        }
-        let processes = there.map(|of| Process::of_logs(&of));
-        let changed = self.rows.products(kind, &processes[kind]);
-        let all = match kind {
-            0 => [&changed, &here.products[1]],
-            _ => [&here.products[0], &changed],
-        };
-        Some(self.with(&processes, all)?.merit)
+    /// What follows of errors with such logarithms; `None` where that is no number.
+    fn valued(&self, logs: &[LogProcess; 2]) -> Option<FittedErrors> {
+        let errors = LikelyErrors::of(logs.map(|of| Process::of_logs(&of)));
+        self.at(&errors).filter(|of| of.merit.is_finite())
     }
 
     /// What follows of errors with such products.
@@ -423,11 +357,46 @@ impl NoiseAlone {
     }
 }
 
-struct Likelihood {
-    merit: f64,
-    answer: DVector<f64>,
-    information: Cholesky<f64, Dyn>,
-    products: [WhitenedProducts; 2],
+/// A number of the process of one kind of errors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct NumberOf {
+    kind: usize,
+    number: usize,
+}
+
+/// How the merit changes with logarithms of numbers.
+struct MeritSlopes {
+    merit: DVector<f64>,
+    /// The mean of its second derivatives and of those that are expected, without what is expected to be nothing, and those of
+    /// what numbers cost: with the derivatives `V_i` of `V`, `rᵀ P V_i P V_j P r`.
+    information: DMatrix<f64>,
+}
+
+/// By how much slopes changed with a step.
+struct SlopeChange {
+    step: DVector<f64>,
+    change: DVector<f64>,
+}
+
+impl MeritSlopes {
+    /// The step to where the merit is least, as average information tells it and how slopes changed with the last steps; `None`
+    /// where that promises nothing.
+    fn step(&self, numbers: &[NumberOf], changes: &[SlopeChange]) -> Option<DVector<f64>> {
+        let mut inverse = self.information.clone().cholesky()?.inverse();
+        for last in &changes[changes.len().saturating_sub(LAST)..] {
+            update(&mut inverse, last);
+        }
+        let mut step = -(inverse * &self.merit);
+        for kind in 0..2 {
+            let of_kind = || numbers.iter().map(move |of| of.kind == kind);
+            let own = step.iter().zip(of_kind()).filter(|(_, is_own)| *is_own);
+            let longest = own.fold(LONGEST, |longest, (by, _)| longest.max(by.abs()));
+            for (by, _) in step.iter_mut().zip(of_kind()).filter(|(_, is_own)| *is_own) {
+                *by *= LONGEST / longest;
+            }
+        }
+        (-0.5 * step.dot(&self.merit) > GAIN).then_some(step)
+    }
 }
 
 /// What numbers cost that are not as expected; those of a part that is not there cost nothing.
@@ -444,14 +413,9 @@ fn penalty(processes: &[Process; 2]) -> f64 {
     processes.iter().map(of).sum()
 }
 
-/// Slopes of that by the logarithms of one process.
-fn penalty_slopes(logs: &LogProcess) -> LogProcess {
-    let expected = Process::EXPECTED.logs();
-    std::array::from_fn(|at| 2.0 * (logs[at] - expected[at]) / SPREADS[at].powi(2))
-}
-
-/// The inverse Hessian after a step, along which the slope changed so.
-fn update(inverse: &mut DMatrix<f64>, step: &DVector<f64>, change: &DVector<f64>) {
+/// The inverse Hessian after a step, along which slopes changed so (Broyden, Fletcher, Goldfarb and Shanno).
+fn update(inverse: &mut DMatrix<f64>, last: &SlopeChange) {
+    let SlopeChange { step, change } = last;
     let along = step.dot(change);
     if along <= 1e-12 * step.norm() * change.norm() {
         return;
@@ -567,11 +531,72 @@ mod tests {
             of.valued(&there).expect("a likelihood").merit
         };
         let here = of.valued(&logs).expect("a likelihood");
-        let slope = of.slope(&logs, &here, Process::COUNT, &|at| (0, at));
+        let numbers: Vec<NumberOf> = (0..Process::COUNT)
+            .map(|number| NumberOf { kind: 0, number })
+            .collect();
+        let slopes = of.slopes(&logs, &here, &numbers);
         for number in 0..Process::COUNT {
             let expected = (merit(number, 1e-4) - merit(number, -1e-4)) / 2e-4;
-            let off = (slope[number] - expected).abs();
+            let off = (slopes.merit[number] - expected).abs();
             assert!(off < 1e-2 + 1e-3 * expected.abs(), "{number}: {off}");
+        }
+    }
+
+    /// Against `rᵀ P V_i P V_j P r` of whole matrices.
+    #[test]
+    fn the_average_information_is_that_of_whole_matrices() {
+        let mut random = Random::default();
+        let (series, columns) = drawn(&mut random, 30);
+        let rows = SeriesRows::new(&series, &columns);
+        let priors = DMatrix::zeros(10, 10);
+        let of = about_parabola(&rows, &priors);
+        let logs = [Process::EXPECTED.logs(); 2];
+        let numbers: Vec<NumberOf> = (0..Process::COUNT)
+            .map(|number| NumberOf { kind: 0, number })
+            .collect();
+        let here = of.valued(&logs).expect("a likelihood");
+        let given = of.slopes(&logs, &here, &numbers).information;
+        let covariance = |logs: &LogProcess| {
+            let process = Process::of_logs(logs);
+            DMatrix::from_fn(90, 90, |row, column| {
+                let apart = (row / 3).abs_diff(column / 3);
+                let noise = if apart == 0 {
+                    process.noise_sd.powi(2)
+                } else {
+                    0.0
+                };
+                match row % 3 == column % 3 {
+                    true => process.covariance(0.02 * apart as f64) + noise,
+                    false => 0.0,
+                }
+            })
+        };
+        let inverse = covariance(&logs[0]).try_inverse().expect("a covariance");
+        let free = columns.columns(0, 9).into_owned();
+        let whole = free.tr_mul(&(&inverse * &free));
+        let whole = whole.try_inverse().expect("it is told");
+        let projection = &inverse - &inverse * &free * whole * free.tr_mul(&inverse);
+        let left = &projection * columns.column(9);
+        let changes: Vec<DVector<f64>> = (0..Process::COUNT)
+            .map(|number| {
+                let beside = |by: f64| {
+                    let mut there = logs[0];
+                    there[number] += by;
+                    covariance(&there)
+                };
+                (beside(1e-5) - beside(-1e-5)) / 2e-5 * &left
+            })
+            .collect();
+        for (row, one) in changes.iter().enumerate() {
+            for (column, other) in changes.iter().enumerate() {
+                let prior = match row == column {
+                    true => 2.0 / SPREADS[row].powi(2),
+                    false => 0.0,
+                };
+                let stated = one.dot(&(&projection * other)) + prior;
+                let off = (given[(row, column)] - stated).abs();
+                assert!(off < 1e-3 * (1.0 + stated.abs()), "{row} {column}: {off}");
+            }
         }
     }
 
@@ -587,18 +612,32 @@ mod tests {
             rough_sd: 1e-9,
             ..still
         };
-        let by_gram = DMatrix::from_fn(10, 10, |a, b| 1.0 + (a * b) as f64);
+        let asked = AskedSlopes {
+            by_gram: DMatrix::from_fn(10, 10, |a, b| 1.0 + (a * b) as f64),
+            left: DVector::from_fn(10, |at, _| at as f64 - 3.0),
+        };
         let [alone, near] = [still, hardly].map(|process| {
             let products = rows.products(0, &process);
-            let slopes = rows.slopes(0, &process, &by_gram, STEP);
-            (products, slopes[Process::NOISE])
+            let slopes = rows.slopes(0, &process, &asked, STEP);
+            (products, slopes)
         });
         let off = (&alone.0.gram - &near.0.gram).amax() / near.0.gram.amax();
         assert!(off < 1e-9, "{off}");
         assert!((alone.0.log_variance - near.0.log_variance).abs() < 1e-9);
         // The one slope is exact, the other by differences of gains.
-        let off = (alone.1 - near.1).abs() / near.1.abs();
-        assert!(off < 1e-3, "{off}");
+        let noise = Process::NOISE;
+        let pairs = [
+            (alone.1.slopes[noise], near.1.slopes[noise]),
+            (
+                alone.1.of_left[(noise, noise)],
+                near.1.of_left[(noise, noise)],
+            ),
+            (alone.1.across[(4, noise)], near.1.across[(4, noise)]),
+        ];
+        for (alone, near) in pairs {
+            let off = (alone - near).abs() / near.abs();
+            assert!(off < 1e-3, "{off}");
+        }
     }
 
     /// Where it ends no number of the process makes it less.

@@ -28,8 +28,8 @@ pub struct Process {
     pub noise_sd: f64,
 }
 
-/// Least standard deviation of the white part, in units of residuals: what numbers in files are rounded to.
-const LEAST_NOISE: f64 = 1e-5;
+/// Least standard deviation of a part that is there, in units of residuals: what numbers in files are rounded to.
+const LEAST: f64 = 1e-5;
 
 /// The logarithm of each number of a [`Process`], in the order of its fields.
 pub type LogProcess = [f64; Process::COUNT];
@@ -38,7 +38,11 @@ impl Process {
     /// Number of its numbers.
     pub const COUNT: usize = 5;
 
-    /// Place of the noise among them.
+    /// Place of the size of the smooth part among them,
+    const SMOOTH: usize = 0;
+    /// of that of the rough part,
+    const ROUGH: usize = 2;
+    /// and of the noise.
     pub const NOISE: usize = 4;
 
     /// The same of which nothing strays.
@@ -53,7 +57,7 @@ impl Process {
 
     /// Whether it has a part that strays.
     pub fn wanders(&self) -> bool {
-        self.has(0) || self.has(2)
+        self.has(Self::SMOOTH) || self.has(Self::ROUGH)
     }
 
     /// Whether a number, by its place in [`LogProcess`], is of a part that is there.
@@ -68,9 +72,15 @@ impl Process {
         size > f64::MIN_POSITIVE.powf(0.25)
     }
 
-    /// Whether its noise is the least there is.
-    pub fn is_exact(&self) -> bool {
-        self.noise_sd <= LEAST_NOISE * (1.0 + 1e-9)
+    /// Whether a number, by its place in [`LogProcess`], is a size that is the least there is.
+    pub fn is_least(&self, number: usize) -> bool {
+        let is_least = |size: f64| size <= LEAST * (1.0 + 1e-9);
+        match number {
+            Self::SMOOTH => is_least(self.smooth_sd),
+            Self::ROUGH => is_least(self.rough_sd),
+            Self::NOISE => is_least(self.noise_sd),
+            _ => false,
+        }
     }
 
     /// Variance of what strays.
@@ -117,12 +127,22 @@ impl Process {
     /// The process with these logarithms.
     pub fn of_logs(logs: &LogProcess) -> Self {
         let [smooth_sd, smooth_s, rough_sd, rough_s, noise_sd] = logs.map(f64::exp);
-        Self {
+        let of = Self {
             smooth_sd,
             smooth_s,
             rough_sd,
             rough_s,
-            noise_sd: noise_sd.max(LEAST_NOISE),
+            noise_sd,
+        };
+        let at_least = |number: usize, size: f64| match of.has(number) {
+            true => size.max(LEAST),
+            false => size,
+        };
+        Self {
+            smooth_sd: at_least(Self::SMOOTH, smooth_sd),
+            rough_sd: at_least(Self::ROUGH, rough_sd),
+            noise_sd: noise_sd.max(LEAST),
+            ..of
         }
     }
 

@@ -2,9 +2,9 @@
 
 use std::cell::OnceCell;
 
-use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVector, Dyn, Matrix5, OMatrix, U5};
 
-use super::filter::{Filter, Gain, GainSlopes, Means, SampleInstant};
+use super::filter::{Filter, Gain, GainSlopes, Means, SampleInstant, covered, weighed};
 use super::process::{LogProcess, Process};
 use super::white::WhiteProducts;
 use crate::motion::TrackIndex;
@@ -57,6 +57,26 @@ pub struct WhitenedProducts {
     pub log_variance: f64,
 }
 
+/// What changes with each number of the process of one kind.
+#[derive(Clone, Debug)]
+pub struct NumberSlopes {
+    /// Slopes of the function that is asked about.
+    pub slopes: LogProcess,
+    /// With `W` that whitens, `V_i` the derivative of `V` and `x` what is left, products of all `W V_i V⁻¹ x`,
+    pub of_left: Matrix5<f64>,
+    /// and those of each with the whitened columns.
+    pub across: OMatrix<f64, Dyn, U5>,
+}
+
+/// What is left of rows, and how much a function changes with their products.
+#[derive(Clone, Debug)]
+pub struct AskedSlopes {
+    /// Slopes of the function by the products, a symmetric matrix; by `ln |V|` it is one.
+    pub by_gram: DMatrix<f64>,
+    /// What is left is this sum of the columns.
+    pub left: DVector<f64>,
+}
+
 /// The three columns of each sample.
 fn axes(rows: &mut DMatrix<f64>) -> impl Iterator<Item = DMatrixViewMut<'_, f64>> {
     let count = rows.nrows();
@@ -91,6 +111,87 @@ impl RowsOfSeries {
             }
             plain.gram()
         })
+    }
+
+    /// Adds its slopes where nothing strays: the noise alone changes.
+    fn add_white(
+        &self,
+        process: &Process,
+        variance: f64,
+        asked: &AskedSlopes,
+        sum: &mut NumberSlopes,
+    ) {
+        let plain = self.plain(asked.left.len());
+        let change = 2.0 * process.noise_sd.powi(2) / variance;
+        let square = plain.dot(&asked.by_gram) / variance;
+        let rows = (3 * self.taken.len()) as f64;
+        let across = plain * &asked.left * (change / variance);
+        let noise = Process::NOISE;
+        sum.slopes[noise] += change * (rows - square);
+        sum.of_left[(noise, noise)] += change * across.dot(&asked.left);
+        let mut own = sum.across.column_mut(noise);
+        own += across;
+    }
+
+    /// Adds its slopes.
+    fn add_slopes(
+        &self,
+        process: &Process,
+        asked: &AskedSlopes,
+        step: f64,
+        sum: &mut NumberSlopes,
+    ) {
+        let count = asked.left.len();
+        let numbers = 3 * count;
+        let (gains, log_variance) = self.gains(process);
+        let (mut means, mut back) = (Means::new(numbers), GainSlopes::new(numbers));
+        let mut white = self.numbers.clone();
+        for (gain, numbers) in gains.iter().zip(white.chunks_exact_mut(numbers)) {
+            back.push(&means);
+            means.whiten(gain, numbers);
+        }
+        // A column for each axis of each sample.
+        let mut rows = DMatrix::zeros(count, 3 * gains.len());
+        for (mut three, white) in axes(&mut rows).zip(white.chunks_exact(numbers)) {
+            three.tr_copy_from(&DMatrixView::from_slice(white, 3, count));
+        }
+        let mut by_rows = &asked.by_gram * 2.0 * &rows;
+        let mut by_gains: Vec<Gain> = Vec::new();
+        let each = gains.iter().zip(white.chunks_exact(numbers));
+        let each: Vec<_> = each.zip(axes(&mut by_rows)).collect();
+        for ((gain, white), three) in each.into_iter().rev() {
+            let by_white = three.transpose();
+            by_gains.push(back.pop(gain, white, by_white.as_slice()));
+        }
+        let samples = self.numbers.chunks_exact(numbers);
+        let left = samples.map(|sample| {
+            let three = DMatrixView::from_slice(sample, 3, count) * &asked.left;
+            [three[0], three[1], three[2]]
+        });
+        let left: Vec<[f64; 3]> = left.collect();
+        let weighed = weighed(&gains, &left);
+        let mut changes = OMatrix::<f64, Dyn, U5>::zeros(3 * gains.len());
+        for number in (0..Process::COUNT).filter(|of| process.has(*of)) {
+            let mut logs = process.logs();
+            logs[number] += step;
+            let (there, log_variance_there) = self.gains(&Process::of_logs(&logs));
+            let each = gains.iter().zip(&there).zip(by_gains.iter().rev());
+            let change = each.map(|((here, there), slopes)| here.change(slopes, there));
+            sum.slopes[number] += (change.sum::<f64>() + log_variance_there - log_variance) / step;
+            let mut means = Means::new(3);
+            let covered = covered(&there, &weighed);
+            for (at, (gain, (there, here))) in
+                gains.iter().zip(covered.iter().zip(&left)).enumerate()
+            {
+                let mut three = [0, 1, 2].map(|axis| (there[axis] - here[axis]) / step);
+                means.whiten(gain, &mut three);
+                changes
+                    .fixed_view_mut::<3, 1>(3 * at, number)
+                    .copy_from_slice(&three);
+            }
+        }
+        sum.of_left += changes.tr_mul(&changes);
+        sum.across += rows * changes;
     }
 
     /// Gains of its samples, and `ln |V|` of their three axes.
@@ -220,55 +321,26 @@ impl SeriesRows {
     }
 
     /// Slopes, by the logarithm of each number of such a process, of a function of the products of the samples of one kind and
-    /// of their `ln |V|`: with its slopes `by_gram` by the products, a symmetric matrix, and one by `ln |V|`. Gains and
-    /// variances change by differences with a step of the logarithms, all else exactly.
+    /// of their `ln |V|`. Gains and variances change by differences with a step of the logarithms, all else exactly.
     pub fn slopes(
         &self,
         kind: usize,
         process: &Process,
-        by_gram: &DMatrix<f64>,
+        asked: &AskedSlopes,
         step: f64,
-    ) -> LogProcess {
-        let numbers = 3 * self.count;
-        let mut slopes = [0.0; Process::COUNT];
+    ) -> NumberSlopes {
+        let mut sum = NumberSlopes {
+            slopes: [0.0; Process::COUNT],
+            of_left: Matrix5::zeros(),
+            across: OMatrix::<f64, Dyn, U5>::zeros(self.count),
+        };
         for of in self.series.iter().filter(|of| of.kind == kind) {
-            if let Some(variance) = of.variance(process) {
-                let square = of.plain(self.count).dot(by_gram) / variance;
-                let rows = (3 * of.taken.len()) as f64;
-                slopes[Process::NOISE] +=
-                    2.0 * process.noise_sd.powi(2) / variance * (rows - square);
-                continue;
-            }
-            let (gains, log_variance) = of.gains(process);
-            let (mut means, mut back) = (Means::new(numbers), GainSlopes::new(numbers));
-            let mut white = of.numbers.clone();
-            for (gain, numbers) in gains.iter().zip(white.chunks_exact_mut(numbers)) {
-                back.push(&means);
-                means.whiten(gain, numbers);
-            }
-            // A column for each axis of each sample.
-            let mut rows = DMatrix::zeros(self.count, 3 * gains.len());
-            for (mut three, white) in axes(&mut rows).zip(white.chunks_exact(numbers)) {
-                three.tr_copy_from(&DMatrixView::from_slice(white, 3, self.count));
-            }
-            let mut by_rows = by_gram * 2.0 * rows;
-            let mut by_gains: Vec<Gain> = Vec::new();
-            let each = gains.iter().zip(white.chunks_exact(numbers));
-            let each: Vec<_> = each.zip(axes(&mut by_rows)).collect();
-            for ((gain, white), three) in each.into_iter().rev() {
-                let by_white = three.transpose();
-                by_gains.push(back.pop(gain, white, by_white.as_slice()));
-            }
-            for (number, slope) in slopes.iter_mut().enumerate() {
-                let mut logs = process.logs();
-                logs[number] += step;
-                let (there, log_variance_there) = of.gains(&Process::of_logs(&logs));
-                let each = gains.iter().zip(&there).zip(by_gains.iter().rev());
-                let change = each.map(|((here, there), slopes)| here.change(slopes, there));
-                *slope += (change.sum::<f64>() + log_variance_there - log_variance) / step;
+            match of.variance(process) {
+                Some(variance) => of.add_white(process, variance, asked, &mut sum),
+                None => of.add_slopes(process, asked, step, &mut sum),
             }
         }
-        slopes
+        sum
     }
 
     /// Products of the samples of one kind, whose errors are such a process.
