@@ -45,7 +45,7 @@ fn golden() -> [Golden; 4] {
                 assignment_rounds: 1,
                 starts: 1,
             },
-            event_times_s: &[0.3451365, 0.7946863],
+            event_times_s: &[0.3451336, 0.7946819],
         },
         Golden {
             file: "pencil_eraser.mcap",
@@ -58,7 +58,7 @@ fn golden() -> [Golden; 4] {
                 assignment_rounds: 2,
                 starts: 2,
             },
-            event_times_s: &[0.3475477, 0.7750742],
+            event_times_s: &[0.3475500, 0.7750843],
         },
         Golden {
             file: "hat_box.mcap",
@@ -71,7 +71,7 @@ fn golden() -> [Golden; 4] {
                 assignment_rounds: 4,
                 starts: 2,
             },
-            event_times_s: &[0.2731318, 0.5662035, 0.8737033],
+            event_times_s: &[0.2731312, 0.5662050, 0.8737040],
         },
         Golden {
             file: "die.mcap",
@@ -85,7 +85,7 @@ fn golden() -> [Golden; 4] {
                 starts: 1,
             },
             event_times_s: &[
-                0.2145406, 0.3942213, 0.5588448, 0.7211546, 0.8796053, 1.0096242,
+                0.2145407, 0.3942213, 0.5588449, 0.7211546, 0.8796053, 1.0096242,
             ],
         },
     ]
