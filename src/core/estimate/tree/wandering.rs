@@ -45,12 +45,7 @@ impl Solved {
     /// The optimum near by with the errors that its residuals make likeliest, of one that has some.
     fn likeliest(mut self, observer: &mut dyn Observer) -> Self {
         for _ in 0..ROUNDS {
-            let Some(errors) = self
-                .problem
-                .errors
-                .clone()
-                .filter(|_| !observer.should_stop())
-            else {
+            let Some(errors) = self.problem.errors.filter(|_| !observer.should_stop()) else {
                 break;
             };
             let linearised = Linearised::new(&self.problem, &self.solution);

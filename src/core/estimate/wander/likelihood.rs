@@ -430,7 +430,7 @@ fn update(inverse: &mut DMatrix<f64>, last: &SlopeChange) {
 mod tests {
     use super::*;
     use crate::estimate::wander::filter::{Filter, Means, SampleInstant};
-    use crate::estimate::wander::series::Series;
+    use crate::estimate::wander::series::{NumberSlopes, Series};
     use crate::estimate::wander::wrong;
     use crate::math::random::Random;
     use crate::motion::TrackIndex;
@@ -608,8 +608,8 @@ mod tests {
         let rows = SeriesRows::new(&series, &columns);
         let still = Process::EXPECTED.without_wander();
         let hardly = Process {
-            smooth_sd: 1e-9,
-            rough_sd: 1e-9,
+            smooth_sd: 1e-5,
+            rough_sd: 1e-5,
             ..still
         };
         let asked = AskedSlopes {
@@ -622,19 +622,15 @@ mod tests {
             (products, slopes)
         });
         let off = (&alone.0.gram - &near.0.gram).amax() / near.0.gram.amax();
-        assert!(off < 1e-9, "{off}");
-        assert!((alone.0.log_variance - near.0.log_variance).abs() < 1e-9);
+        assert!(off < 1e-5, "{off}");
+        assert!((alone.0.log_variance - near.0.log_variance).abs() < 1e-4);
         // The one slope is exact, the other by differences of gains.
         let noise = Process::NOISE;
-        let pairs = [
-            (alone.1.slopes[noise], near.1.slopes[noise]),
-            (
-                alone.1.of_left[(noise, noise)],
-                near.1.of_left[(noise, noise)],
-            ),
-            (alone.1.across[(4, noise)], near.1.across[(4, noise)]),
-        ];
-        for (alone, near) in pairs {
+        let numbers = |of: &NumberSlopes| {
+            let across = of.across.column(noise).amax();
+            [of.slopes[noise], of.of_left[(noise, noise)], across]
+        };
+        for (alone, near) in numbers(&alone.1).into_iter().zip(numbers(&near.1)) {
             let off = (alone - near).abs() / near.abs();
             assert!(off < 1e-3, "{off}");
         }
