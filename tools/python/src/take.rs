@@ -21,6 +21,9 @@ pub struct Take {
     pub of: Arc<TakeInMemory>,
 }
 
+/// A mark that is proposed: event, time \[s since the first sample\], body, score.
+type ProposedMark = (Option<String>, f64, Option<String>, Option<f64>);
+
 /// Poses of one track, row by row: of a track that sees no orientation the quaternions are empty. Where the last is a number
 /// they are keyframes of the body, within so many seconds of their times.
 type Rows = (
@@ -130,12 +133,8 @@ impl Take {
         self.of.notes()
     }
 
-    /// Where events may be: event, time \[s since the first sample\], body, score.
-    fn proposals(
-        &self,
-        py: Python<'_>,
-        count: Option<usize>,
-    ) -> PyResult<Vec<(Option<String>, f64, Option<String>, Option<f64>)>> {
+    /// Where events may be.
+    fn proposals(&self, py: Python<'_>, count: Option<usize>) -> PyResult<Vec<ProposedMark>> {
         let proposed = py.detach(|| self.of.propose(count));
         let proposed = proposed.map_err(|error| errors::of_any(py, &error))?;
         let scene = self.of.scene();
