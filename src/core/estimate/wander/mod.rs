@@ -10,6 +10,7 @@ pub mod filter;
 pub mod kink;
 pub mod likelihood;
 pub mod process;
+mod search;
 pub mod series;
 pub mod spread;
 pub mod vague;
