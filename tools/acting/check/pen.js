@@ -55,7 +55,7 @@ export function swinging(timeS) {
   return withTip(turn, new Vector3(0.2, -0.1, 0.04));
 }
 
-/** Ten: of six, one is left out by chance now and then, as only two more than a plane needs say how exact they are. */
+/** Ten, so that enough of them beyond the three that a plane needs say how exact they are. */
 const TOUCHES = [
   [-0.2, -0.15], [0.25, -0.1], [0.05, 0.3], [-0.15, 0.2], [0.2, 0.15],
   [0, -0.2], [0.1, 0.02], [-0.25, 0.05], [0.15, -0.25], [-0.1, 0.3],

@@ -56,6 +56,7 @@ pub(in crate::estimate) enum FitAsked {
 
 /// What is asked of a motion.
 pub(in crate::estimate) struct Asked<'a> {
+    /// Whether suspects are wanted, too.
     pub(in crate::estimate) of_fit: FitAsked,
     /// What is said to be true.
     pub(in crate::estimate) scene: &'a Scene,

@@ -425,30 +425,29 @@ mod tests {
         let (series, columns) = drawn(&mut random, 40);
         let rows = SeriesRows::new(&series, &columns);
         let still = Process::EXPECTED.without_wander();
-        let hardly = Process {
-            smooth_sd: 1e-5,
-            rough_sd: 1e-5,
+        let hardly = |sd: f64| Process {
+            smooth_sd: sd,
+            rough_sd: sd,
             ..still
         };
+        let [alone, near] = [still, hardly(1e-9)].map(|process| rows.products(0, &process));
+        let off = (&alone.gram - &near.gram).amax() / near.gram.amax();
+        assert!(off < 1e-9, "{off}");
+        assert!((alone.log_variance - near.log_variance).abs() < 1e-9);
         let asked = AskedSlopes {
             by_gram: DMatrix::from_fn(10, 10, |a, b| 1.0 + (a * b) as f64),
             left: DVector::from_fn(10, |at, _| at as f64 - 3.0),
         };
-        let [alone, near] = [still, hardly].map(|process| {
-            let products = rows.products(0, &process);
-            let slopes = rows.slopes(0, &process, &asked, STEP);
-            (products, slopes)
-        });
-        let off = (&alone.0.gram - &near.0.gram).amax() / near.0.gram.amax();
-        assert!(off < 1e-5, "{off}");
-        assert!((alone.0.log_variance - near.0.log_variance).abs() < 1e-4);
+        // Differences are between processes whose sizes are not less than the least.
+        let [alone, near] =
+            [still, hardly(1e-5)].map(|process| rows.slopes(0, &process, &asked, STEP));
         // The one slope is exact, the other by differences of gains.
         let noise = Process::NOISE;
         let numbers = |of: &NumberSlopes| {
             let across = of.across.column(noise).amax();
             [of.slopes[noise], of.of_left[(noise, noise)], across]
         };
-        for (alone, near) in numbers(&alone.1).into_iter().zip(numbers(&near.1)) {
+        for (alone, near) in numbers(&alone).into_iter().zip(numbers(&near)) {
             let off = (alone - near).abs() / near.abs();
             assert!(off < 1e-3, "{off}");
         }
