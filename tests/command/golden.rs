@@ -45,7 +45,7 @@ fn golden() -> [Golden; 4] {
                 assignment_rounds: 1,
                 starts: 1,
             },
-            event_times_s: &[0.3451336, 0.7946819],
+            event_times_s: &[0.3451364, 0.7946853],
         },
         Golden {
             file: "pencil_eraser.mcap",
@@ -58,7 +58,7 @@ fn golden() -> [Golden; 4] {
                 assignment_rounds: 2,
                 starts: 2,
             },
-            event_times_s: &[0.3475500, 0.7750843],
+            event_times_s: &[0.3475341, 0.7750379],
         },
         Golden {
             file: "hat_box.mcap",
@@ -71,7 +71,7 @@ fn golden() -> [Golden; 4] {
                 assignment_rounds: 4,
                 starts: 2,
             },
-            event_times_s: &[0.2731312, 0.5662050, 0.8737040],
+            event_times_s: &[0.2731295, 0.5661924, 0.8736925],
         },
         Golden {
             file: "die.mcap",

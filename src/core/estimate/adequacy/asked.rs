@@ -225,7 +225,7 @@ impl Asked<'_> {
 /// Whether errors are slow ones that are greater than any of a hand.
 fn is_no_hand(of: &Restricted, fitted: &FittedErrors) -> bool {
     let strays = (0..2).filter(|kind| of.rows.shows(*kind));
-    let strays = strays.map(|kind| fitted.errors.processes[kind].wander_variance().sqrt());
+    let strays = strays.map(|kind| fitted.errors.processes[kind].stray_variance().sqrt());
     strays.fold(0.0, f64::max) > FAR
 }
 

@@ -179,11 +179,6 @@ impl Process {
         smooth + self.rough_sd.powi(2) * (-apart_s / self.rough_s).exp()
     }
 
-    /// Variance of its wander: of all but the white part.
-    pub fn wander_variance(&self) -> f64 {
-        self.smooth_sd.powi(2) + self.rough_sd.powi(2)
-    }
-
     /// `λ`.
     pub(super) fn rate_per_s(&self) -> f64 {
         3_f64.sqrt() / self.smooth_s

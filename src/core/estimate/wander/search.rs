@@ -28,7 +28,7 @@ const LAST: usize = 3;
 const SHORTENINGS: usize = 8;
 const SHORTER: f64 = 0.3;
 /// Steps end where the next one promises less than this of `−2 log L`.
-const GAIN: f64 = 0.002;
+pub(super) const GAIN: f64 = 0.02;
 
 /// A number of the process of one kind of errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,7 +74,7 @@ impl MeritSlopes {
 
 impl Restricted<'_> {
     /// Searches among the numbers of the parts that are there, of kinds that are shown.
-    pub(super) fn search(&self, from: &LikelyErrors) -> Option<LikelyErrors> {
+    pub(super) fn search(&self, from: &LikelyErrors) -> Option<FittedErrors> {
         let kinds = (0..2).filter(|kind| self.rows.shows(*kind));
         let numbers = kinds.flat_map(|kind| {
             let there = (0..Process::COUNT).filter(move |of| from.processes[kind].has(*of));
@@ -112,24 +112,32 @@ impl Restricted<'_> {
             changes.push(SlopeChange { step, change });
             slopes = next;
         }
-        Some(LikelyErrors::of(logs.map(|of| Process::of_logs(&of))))
+        Some(here)
     }
 
-    /// Where the search begins before anything is seen: with sizes as far from what is expected as the residuals are, and the noise
-    /// of neighbours. Taken for too small, noise would be told as a rough part that changes from sample to sample.
-    pub(super) fn first(&self) -> LikelyErrors {
-        LikelyErrors::of([0, 1].map(|kind| {
-            if !self.rows.shows(kind) {
-                return Process::EXPECTED;
-            }
-            // Of residuals that are nothing it is the least there is.
-            let far = self.rows.residual_rms(kind).max(f64::EPSILON);
-            let mut logs = Process::EXPECTED.times(far).logs();
-            if let Some(noise_sd) = self.rows.neighbours_sd(kind) {
-                logs[Process::NOISE] = noise_sd.ln();
-            }
-            Process::of_logs(&logs)
-        }))
+    /// Where searches begin before anything is seen, since the likelihood has several optima: a slow hand with a rough part, as is
+    /// expected, and a quick one that is smooth. Sizes are as far from what is expected as the residuals are, and noise is that of
+    /// neighbours: taken for too small, it would be told as a rough part that changes from sample to sample.
+    pub(super) fn first(&self) -> [LikelyErrors; 2] {
+        let slow = Process::EXPECTED;
+        let quick = Process {
+            smooth_s: slow.rough_s,
+            ..slow
+        };
+        [slow, quick].map(|process| {
+            LikelyErrors::of([0, 1].map(|kind| {
+                if !self.rows.shows(kind) {
+                    return Process::EXPECTED;
+                }
+                // Of residuals that are nothing it is the least there is.
+                let far = self.rows.residual_rms(kind).max(f64::EPSILON);
+                let mut logs = process.times(far).logs();
+                if let Some(noise_sd) = self.rows.neighbours_sd(kind) {
+                    logs[Process::NOISE] = noise_sd.ln();
+                }
+                Process::of_logs(&logs)
+            }))
+        })
     }
 
     /// Slopes of the merit by some numbers, and its average information. With `x = A⁻¹ Jᵀ V⁻¹ r`, it changes by the products as

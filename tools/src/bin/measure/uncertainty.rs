@@ -19,8 +19,10 @@ use enact_tools::perform::{Acting, Style, Truth};
 
 /// Runs it.
 pub fn run(options: &Options, record: &mut Record) -> Result<()> {
-    square::run(options, record)?;
-    sweep::run(options, record)?;
+    if options.rows.is_none() {
+        square::run(options, record)?;
+        sweep::run(options, record)?;
+    }
     intervals::run(options, record)
 }
 
