@@ -1,6 +1,7 @@
 //! Motions of bodies from performances: exact, robust, certain, with goals of every kind.
 
 mod accuracy;
+mod aliased;
 mod along;
 mod bounded;
 mod brief_flights;

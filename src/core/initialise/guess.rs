@@ -8,7 +8,9 @@ use super::clock;
 use super::fit::ArcFit;
 use super::readings::Readings;
 use super::turn::{self, OrientationReading};
-use super::{carried, crossing, keyed, open_times, pointing, released, roll, swing, tied, unseen};
+use super::{
+    aliased, carried, crossing, keyed, open_times, pointing, released, roll, swing, tied, unseen,
+};
 use crate::motion::{Guess, Observer, Quantity, Scene, Segment, Sketch, SupportedBy, Timing};
 use crate::physics::State;
 use crate::physics::support::StuckPart;
@@ -225,10 +227,15 @@ pub fn guess(
     let rolled = roll::guesses(scene, segments, &readings, fitted).into_iter();
     let filled = rolled.flat_map(|guess| unseen::guesses(scene, segments, &readings, guess));
     let mut guesses: Vec<Guess> = filled.collect();
-    for guess in &mut guesses {
-        if known.is_some() {
+    if known.is_some() {
+        for guess in &mut guesses {
             crossing::place(scene, sketch, segments, guess);
         }
+        let turned = guesses.into_iter();
+        let turned = turned.flat_map(|guess| aliased::guesses(scene, segments, &readings, guess));
+        guesses = turned.collect();
+    }
+    for guess in &mut guesses {
         released::place(scene, sketch, segments, &rates, guess);
         between::fill(scene, segments, &guess.event_times_s, &mut guess.arcs);
         open_times::place(scene, sketch, segments, guess);

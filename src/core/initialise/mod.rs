@@ -4,6 +4,7 @@
 //! From these follow the contacts that the scene leaves open ([`contact`], paper §5.1), and the
 //! weight of marks relative to samples ([`weigh()`]).
 
+mod aliased;
 pub mod ballistic;
 pub mod between;
 mod carried;
