@@ -153,16 +153,6 @@ fn a_ball_by_itself_is_refused_nothing() {
         .expect_err("it flies with the lamp")
         .to_string();
     assert!(said.contains("neither force nor drag"), "{said}");
-    // A ball by itself may be hit by what gives energy; what is joined may not.
-    let bumper = |text: &str| {
-        let with = text.replace("restitution =", "bumper = true\nrestitution =");
-        assert!(with != text);
-        scene_from_toml(&with)
-    };
-    let of = Beside::of(8530);
-    assert!(bumper(&of.toml("", "")).is_ok());
-    let said = bumper(&of.toml("", tied)).expect_err("it flies with the lamp");
-    assert!(said.to_string().contains("no bumper"), "{said}");
 }
 
 /// Collisions of the ball are counted, and all goes on until it rests: the ball on the table, the lamp on its hook.

@@ -1,7 +1,9 @@
 //! Laws of impacts of joined bodies that are free: restitution and friction, estimated with the motion.
 
 use enact::config::scene_from_toml;
-use enact::motion::{AtBound, Estimate, FreeParameter, JointEnd, LinkIndex, Quantity, Verdict};
+use enact::motion::{
+    About, AtBound, Estimate, FreeParameter, JointEnd, LinkIndex, Quantity, Verdict,
+};
 use enact::pipeline::Pipeline;
 use enact_tools::tree_impacts::{Acted, Form, Strike, Struck, strike};
 use enact_tools::trees::{self, Jointed, Kind, TreeActing};
@@ -81,6 +83,34 @@ fn an_exact_sketch_gives_the_law_back() {
         }
     }
     assert!(slid > 0);
+}
+
+/// What hits a bumper gains what that gives, and no doubt is about its energy.
+#[test]
+fn a_bumper_gives_joined_bodies_energy() {
+    let exact = Acted {
+        distortion: 0.0,
+        noise: 0.0,
+        mark_sd_s: 0.0,
+    };
+    for kind in &KINDS {
+        for (friction, seed) in [(0.0, 8320), (LAW[1], 8320), (LAW[1], 8321)] {
+            let kind = Struck {
+                law: [1.25, friction],
+                ..*kind
+            };
+            let mut performed = freed(strike(&kind, &exact, seed), [0.0, 2.0]);
+            performed.scene.parameters.truncate(1);
+            let estimate = finished(&performed);
+            let found = estimate.parameters[0].value;
+            assert!((found - 1.25).abs() < 2e-3, "{kind:?}: {found}");
+            // Rods may go through each other.
+            let doubts = &estimate.doubts;
+            let is_right = doubts.iter().all(|doubt| doubt.about == About::Overlap);
+            assert!(is_right, "{kind:?} {seed}: {doubts:?}");
+            assert_ne!(estimate.verdict, Verdict::Failed, "{kind:?} {seed}");
+        }
+    }
 }
 
 /// From a usual hand restitution and the time of the impact are as certain as they are said to be; what is off its bounds

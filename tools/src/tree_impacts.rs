@@ -383,9 +383,10 @@ fn scene_toml(struck: &Struck, hits: &[(f64, usize)], goals: &str) -> String {
         let (link, feature, _) = ends[*end];
         let [restitution, friction] = struck.law;
         text += &format!(
-            "\n[[event]]\nname = \"hit {}\"\nkind = \"collision\"\nbody = \"rod {}\"\nfeature = \"{feature}\"\nsurface = \"table\"\nrestitution = {restitution:?}\nfriction = {friction:?}\n",
+            "\n[[event]]\nname = \"hit {}\"\nkind = \"collision\"\nbody = \"rod {}\"\nfeature = \"{feature}\"\nsurface = \"table\"\nrestitution = {restitution:?}\nfriction = {friction:?}\nbumper = {}\n",
             index + 1,
             link + 1,
+            restitution > 1.0,
         );
     }
     text += "\n[[event]]\nname = \"end\"\nkind = \"end\"\n";

@@ -175,14 +175,7 @@ impl<'a> JoinedPart<'a> {
         let of_goals = goals
             .filter(|goal| self.has_goal(goal))
             .flat_map(unused_of_goal);
-        let hits = raw
-            .event
-            .iter()
-            .zip(0..)
-            .filter(|(_, index)| self.has_event(*index));
-        let gives = "nothing gives joined bodies energy, expected no bumper that they hit";
-        let of_hits = hits.map(move |(event, _)| (span(&event.get_ref().bumper), gives));
-        let all = of_bodies.chain(of_events).chain(of_goals).chain(of_hits);
+        let all = of_bodies.chain(of_events).chain(of_goals);
         all.filter_map(|(span, said)| Some((span?, said)))
     }
 }

@@ -21,7 +21,7 @@ pub(super) struct Off {
     pub(super) ends: Vec<Deviation>,
     /// Contacts that pull.
     pub(super) pulls: Vec<Pull>,
-    /// What an impact gains of the kinetic energy of what takes part, of that before.
+    /// What an impact gains of the kinetic energy of what takes part beyond what it is given, of that before.
     pub(super) energy: f64,
 }
 
@@ -61,7 +61,19 @@ pub(super) fn off(scene: &Scene, estimate: &Estimate) -> Off {
             };
             let before_j = snapshot.kinetic_energy_at(&touch.at);
             snapshot.set(&after);
-            let gained_j = snapshot.kinetic_energy_at(&touch.at) - before_j;
+            let pushed = impact.normal_impulses_n_s.iter().zip(&impact.speeds_m_s);
+            // What a bumper gives along the normal; friction takes of it.
+            let collision = scene.events[event].kind.collision();
+            let is_bumper = collision.is_some_and(|of| scene.law_of(of).is_bumper);
+            let given = if is_bumper {
+                touch.law.restitution - 1.0
+            } else {
+                0.0
+            };
+            let given_j: f64 = pushed
+                .map(|(n_s, m_s)| -0.5 * given.max(0.0) * n_s * m_s)
+                .sum();
+            let gained_j = snapshot.kinetic_energy_at(&touch.at) - before_j - given_j;
             for (gap_m, speed_m_s) in impact.gaps_m.iter().zip(&impact.speeds_m_s) {
                 off.gap_m = larger(off.gap_m, gap_m.abs());
                 off.receding_m_s = larger(off.receding_m_s, *speed_m_s);
