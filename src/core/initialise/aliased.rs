@@ -26,10 +26,12 @@ const LEAST_RAD: f64 = 0.4;
 const FAR_RMS_RAD: f64 = 0.35;
 /// By how much a body may have turned at a bounce beyond what its time says \[rad\].
 const LATE_RAD: [f64; 5] = [0.0, -0.3, 0.3, -0.6, 0.6];
+/// How many times as far off as the best way, in squares, flights as they are may be before that is tried: slow turns are likelier.
+const CLEARLY: f64 = 1.5;
 /// Greatest number of ways for all flights that are compared.
 const COMPARED_MOST: usize = 16;
 
-/// A guess with all flights turned as bounces tell best, where that is another, and as it is.
+/// A guess with all flights turned as bounces tell, where that is clearly another way, and as it is.
 pub(super) fn guesses(
     scene: &Scene,
     segments: &[Segment],
@@ -81,14 +83,26 @@ struct AliasedWay {
 }
 
 impl AliasedFlights<'_> {
-    /// Turns the flights as bounces tell best.
+    /// Turns the flights as bounces tell best, where that is clearly better than as they are.
     fn turn(&self, guess: &mut Guess) {
-        let own = self.flights.own.iter();
-        let shown: Vec<Vec<AliasedTurn>> = own.map(|at| self.shown(*at, guess)).collect();
+        let own = self.flights.own.iter().enumerate();
+        let shown = own.map(|(place, at)| {
+            let is_told = self
+                .rebound(place)
+                .or_else(|| self.rebound(place + 1))
+                .is_some();
+            let mut shown = self.shown(*at, guess);
+            shown.truncate(if is_told { shown.len() } else { 1 });
+            shown
+        });
+        let mut shown: Vec<Vec<AliasedTurn>> = shown.collect();
         if shown.iter().all(|of_flight| of_flight.len() == 1) {
             return;
         }
-        if let Some(best) = self.ways(guess, &shown).first() {
+        let best = self.ways(guess, &shown).swap_remove(0);
+        shown.iter_mut().for_each(|of_flight| of_flight.truncate(1));
+        let plain = self.ways(guess, &shown).swap_remove(0);
+        if best.off_m2 * CLEARLY < plain.off_m2 {
             for (at, state) in self.flights.own.iter().zip(&best.states) {
                 guess.arcs[*at].state = *state;
             }
@@ -130,7 +144,8 @@ impl AliasedFlights<'_> {
             segments,
             own,
         } = &self.flights;
-        let pair = [own[place.checked_sub(1)?], own[place]].map(|at| &segments[at]);
+        let before = own[place.checked_sub(1)?];
+        let pair = [before, *own.get(place)?].map(|at| &segments[at]);
         let event = pair[1].start_event?;
         let is_told = pair[0].end_event == Some(event) && pair.iter().all(|of| is_fitted(of));
         let rebound = Rebound::of(scene, self.mechanism, event)?;
