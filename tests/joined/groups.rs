@@ -153,6 +153,13 @@ fn a_ball_by_itself_is_refused_nothing() {
         .expect_err("it flies with the lamp")
         .to_string();
     assert!(said.contains("neither force nor drag"), "{said}");
+    // Both may be hit by what gives energy.
+    for further in ["", tied] {
+        let text = Beside::of(8530).toml("", further);
+        let with = text.replace("restitution =", "bumper = true\nrestitution =");
+        assert!(with != text);
+        assert!(scene_from_toml(&with).is_ok());
+    }
 }
 
 /// Collisions of the ball are counted, and all goes on until it rests: the ball on the table, the lamp on its hook.

@@ -301,6 +301,7 @@ fn proposals_are_printed_and_written_and_read_again() {
     assert_eq!(bare["verdict"], "physical");
     // A mark that is in the recording is a measurement, one that is proposed on the way is none: of little weight here.
     let events = |of: &serde_json::Value| of["events"].as_array().unwrap().clone();
+    assert_eq!([events(&bare).len(), events(&with).len()], [2; 2]);
     for (bare, with) in events(&bare).iter().zip(&events(&with)) {
         let number = |of: &serde_json::Value, key: &str| of[key].as_f64().unwrap();
         let off_s = number(with, "time_s") - number(bare, "time_s");
