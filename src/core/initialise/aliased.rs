@@ -74,7 +74,6 @@ struct AliasedTurn {
 }
 
 /// A way in which all flights turn.
-#[derive(Clone)]
 struct AliasedWay {
     /// How far bounces and samples are off \[m²\].
     off_m2: f64,
@@ -91,9 +90,13 @@ impl AliasedFlights<'_> {
                 .rebound(place)
                 .or_else(|| self.rebound(place + 1))
                 .is_some();
-            let mut shown = self.shown(*at, guess);
-            shown.truncate(if is_told { shown.len() } else { 1 });
-            shown
+            match is_told {
+                true => self.shown(*at, guess),
+                false => vec![AliasedTurn {
+                    off_m2: 0.0,
+                    state: guess.arcs[*at].state,
+                }],
+            }
         });
         let mut shown: Vec<Vec<AliasedTurn>> = shown.collect();
         if shown.iter().all(|of_flight| of_flight.len() == 1) {
@@ -220,7 +223,7 @@ impl AliasedFlights<'_> {
             descend(body, &turns, from)
         });
         let count = turns.len() as f64;
-        let arm_m2 = body.moments_kg_m2().mean() / body.mass_kg();
+        let arm_m2 = body.gyration_m2().mean();
         let off_m2 = |fit: &TurnFit| arm_m2 * fit.square_rad2 / count;
         let far_rad2 = count * FAR_RMS_RAD * FAR_RMS_RAD;
         let near = others.iter().filter(|fit| fit.square_rad2 <= far_rad2);

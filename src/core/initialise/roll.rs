@@ -201,7 +201,7 @@ impl Pointing<'_> {
 
     /// The radius of gyration, which makes a length of an angle.
     fn arm_m(&self) -> f64 {
-        (self.body.moments_kg_m2().mean() / self.body.mass_kg()).sqrt()
+        self.body.gyration_m2().mean().sqrt()
     }
 
     fn told(&self, guess: &Guess) -> Vec<ToldRoll<'_>> {

@@ -65,14 +65,11 @@ pub(super) fn off(scene: &Scene, estimate: &Estimate) -> Off {
             // What a bumper gives along the normal; friction takes of it.
             let collision = scene.events[event].kind.collision();
             let is_bumper = collision.is_some_and(|of| scene.law_of(of).is_bumper);
-            let given = if is_bumper {
-                touch.law.restitution - 1.0
-            } else {
-                0.0
+            let more = match is_bumper {
+                true => (touch.law.restitution - 1.0).max(0.0),
+                false => 0.0,
             };
-            let given_j: f64 = pushed
-                .map(|(n_s, m_s)| -0.5 * given.max(0.0) * n_s * m_s)
-                .sum();
+            let given_j: f64 = pushed.map(|(n_s, m_s)| -0.5 * more * n_s * m_s).sum();
             let gained_j = snapshot.kinetic_energy_at(&touch.at) - before_j - given_j;
             for (gap_m, speed_m_s) in impact.gaps_m.iter().zip(&impact.speeds_m_s) {
                 off.gap_m = larger(off.gap_m, gap_m.abs());
