@@ -140,19 +140,22 @@ fn a_ball_by_itself_is_refused_nothing() {
         |of_ball: &str, further: &str| scene_from_toml(&Beside::of(8530).toml(of_ball, further));
     let gravity = "[[free]]\nquantity = \"gravity.z\"\n";
     assert!(read("", gravity).is_ok());
-    assert!(read("", "[[free]]\nquantity = \"lamp.drag.linear\"\n").is_err());
+    assert!(read("", "[[free]]\nquantity = \"lamp.clock.rate\"\n").is_err());
     let scene = read("", "[[free]]\nquantity = \"ball.drag.linear\"\n").expect("valid");
     assert!(matches!(
         scene.parameters[0].quantity,
         Quantity::LinearDrag { .. }
     ));
     let tied = "[[goal]]\nevent = \"end\"\nbody = \"ball\"\nrelative_to = \"lamp\"\nposition_mm = [0, 0, 300]\n";
-    let drag = "drag_linear_per_s = 0.1";
-    assert!(read(drag, "").is_ok());
-    let said = read(drag, tied)
-        .expect_err("it flies with the lamp")
-        .to_string();
-    assert!(said.contains("neither force nor drag"), "{said}");
+    let clock = |further: &str| {
+        read(
+            "",
+            &format!("[[free]]\nquantity = \"ball.clock.rate\"\n{further}"),
+        )
+    };
+    assert!(clock("").is_ok());
+    let said = clock(tied).expect_err("it flies with the lamp").to_string();
+    assert!(said.contains("clocks are given"), "{said}");
     // Both may be hit by what gives energy.
     for further in ["", tied] {
         let text = Beside::of(8530).toml("", further);

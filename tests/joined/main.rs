@@ -1,6 +1,7 @@
 //! Bodies joined in trees, through the program.
 
 mod adequacy;
+mod air;
 mod groups;
 mod hand;
 mod impacts;

@@ -226,11 +226,6 @@ fn scenes_of_joined_bodies_that_make_no_sense_are_refused() {
             "expected none of them",
         ),
         (
-            "tracked = false",
-            "tracked = false\ndrag_linear_per_s = 0.1",
-            "neither force nor drag",
-        ),
-        (
             "kind = \"end\"",
             "kind = \"end\"\ntime = \"free\"",
             "begins and ends at the marks",

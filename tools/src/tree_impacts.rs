@@ -331,7 +331,7 @@ fn struck_motion(
 /// A state at the beginning.
 pub(crate) fn drawn(tree: &Tree, random: &mut ChaCha8Rng) -> TreeState {
     let mut signed = |most: f64| most * (2.0 * random.random::<f64>() - 1.0);
-    let flight = tree.freedoms() - tree.angular_freedoms();
+    let flight = tree.translations();
     let mut delta = vec![0.0; 2 * tree.freedoms()];
     for entry in &mut delta[flight..tree.freedoms()] {
         *entry = signed(1.2);

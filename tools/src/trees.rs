@@ -113,6 +113,8 @@ pub struct TreeActing {
     pub rate_hz: f64,
     /// Whether the whole configuration at the start is a goal.
     pub asks_start: bool,
+    /// Keys of every rod that say what pushes it beside gravity.
+    pub pushes: &'static str,
     /// Slow motion: acted per physical time on the whole, and the standard deviation of the logarithm of the tempo. None:
     /// stamps are physical times.
     pub slowly: Option<[f64; 2]>,
@@ -126,6 +128,7 @@ impl TreeActing {
             noise_m: 0.001,
             rate_hz: RATE_HZ,
             asks_start: true,
+            pushes: "",
             slowly: None,
         }
     }
@@ -345,7 +348,7 @@ pub fn motion(
 fn drawn(kind: &Kind, tree: &Tree, random: &mut ChaCha8Rng) -> TreeState {
     let mut signed = |most: f64| most * (2.0 * random.random::<f64>() - 1.0);
     let mut state = tree.at_rest();
-    let flight = tree.freedoms() - tree.angular_freedoms();
+    let flight = tree.translations();
     let mut delta = vec![0.0; 2 * tree.freedoms()];
     for entry in &mut delta[flight..tree.freedoms()] {
         *entry = signed(0.8);
@@ -403,9 +406,10 @@ fn scene_toml(kind: &Kind, acting: &TreeActing, goals: &str) -> String {
     let tracked = if kind.is_clamped { kind.links - 1 } else { 0 };
     for link in 0..kind.links {
         text += &format!(
-            "\n[[body]]\nname = \"rod {}\"\nshape = {{ kind = \"cylinder\", length_mm = {:?}, radius_mm = 5 }}\nmass_g = 100\n",
+            "\n[[body]]\nname = \"rod {}\"\nshape = {{ kind = \"cylinder\", length_mm = {:?}, radius_mm = 5 }}\nmass_g = 100\n{}",
             link + 1,
             1e3 * ROD_M,
+            acting.pushes,
         );
         if link == tracked {
             let at_mm = if kind.is_clamped { -500.0 * ROD_M } else { 0.0 };

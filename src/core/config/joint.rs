@@ -61,7 +61,6 @@ pub(super) fn join(raw: &RawScene, scene: &mut Scene) -> Result<(), Fault> {
         return fault(span.clone(), said);
     }
     for tree in mechanisms.iter().filter_map(Mechanism::tree) {
-        refused::refuse_links(raw, scene, tree)?;
         let model = tree.model(|link| scene.links[link].body);
         if let Err(error) = model {
             return fault(

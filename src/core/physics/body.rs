@@ -1,11 +1,12 @@
 //! A rigid body: its mass and principal moments at the centre of mass, and what acts on it in
 //! flight, or on what supports it, beside gravity.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use thiserror::Error;
 
 use super::drag::Drag;
 use super::support::Support;
+use crate::math::so3;
 
 /// Moments closer than this, relative to the largest, are one moment: further apart than
 /// rounding leaves them, and so close that a turn of a hundred radians with the mean of two
@@ -267,6 +268,16 @@ impl Body {
             return dragged;
         }
         dragged + spin_rad_s.cross(velocity_m_s) * self.lift
+    }
+
+    /// Derivative of that by the velocity, `ℓ [ω]× − (k + c|v|) 1 − c v vᵀ/|v|` \[1/s\].
+    pub fn air_by_velocity_per_s(
+        &self,
+        velocity_m_s: &Vector3<f64>,
+        spin_rad_s: &Vector3<f64>,
+    ) -> Matrix3<f64> {
+        let dragged = self.drag.acceleration_by_velocity_per_s(velocity_m_s);
+        dragged + so3::hat(spin_rad_s) * self.lift
     }
 
     /// What supports it; `None` in flight.

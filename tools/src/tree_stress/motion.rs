@@ -71,7 +71,7 @@ impl Hard {
 
     fn drawn(&self, tree: &Tree, random: &mut ChaCha8Rng) -> TreeState {
         let mut signed = |most: f64| most * (2.0 * random.random::<f64>() - 1.0);
-        let (count, flight) = (tree.freedoms(), tree.freedoms() - tree.angular_freedoms());
+        let (count, flight) = (tree.freedoms(), tree.translations());
         let (Draw::Within(most)
         | Draw::Through(most)
         | Draw::Swung(_, most)

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use crate::config::error::{Fault, fault};
 use crate::config::event::link_of;
-use crate::config::raw::{RawBody, RawEvent, RawGoal, RawScene};
+use crate::config::raw::{RawEvent, RawGoal, RawScene};
 use crate::config::spanned::Spanned;
-use crate::motion::{Group, JointTree, LinkIndex, Quantity, Scene, Timing, TreeTouch};
+use crate::motion::{Group, LinkIndex, Quantity, Scene, Timing, TreeTouch};
 use crate::physics::impact::ImpactError;
 use crate::physics::tree::ForestSnapshot;
 
@@ -29,17 +29,6 @@ pub(in crate::config) fn refuse(raw: &RawScene, scene: &Scene) -> Result<(), Fau
         joined.refuse_beside(raw, hand)?;
     }
     joined.refuse_free(raw)
-}
-
-/// Refuses a tree of which a body says what trees do not heed.
-pub(super) fn refuse_links(raw: &RawScene, scene: &Scene, tree: &JointTree) -> Result<(), Fault> {
-    let bodies = raw.body.iter().zip(scene.links.keys());
-    let bodies = bodies.filter(|(_, link)| tree.links().any(|of| of == *link));
-    let mut unused = bodies.flat_map(|(body, _)| unused_of_body(body.get_ref()));
-    match unused.find_map(|(span, said)| Some((span?, said))) {
-        Some((span, said)) => fault(span, said),
-        None => Ok(()),
-    }
 }
 
 /// What of a scene is estimated together with joined bodies.
@@ -116,15 +105,11 @@ impl<'a> JoinedPart<'a> {
         Ok(())
     }
 
-    /// Refuses free clocks, forces, drags and lifts of joined bodies.
+    /// Refuses free clocks of joined bodies.
     fn refuse_free(&self, raw: &RawScene) -> Result<(), Fault> {
         let scene = self.scene;
         let is_undone = |quantity: Quantity| match quantity {
-            Quantity::Force { .. }
-            | Quantity::LinearDrag { .. }
-            | Quantity::QuadraticDrag { .. }
-            | Quantity::Lift { .. }
-            | Quantity::ClockRate { .. }
+            Quantity::ClockRate { .. }
             | Quantity::ClockOffset { .. }
             | Quantity::FlightClock { .. }
             | Quantity::SampleTime { .. }
@@ -137,6 +122,10 @@ impl<'a> JoinedPart<'a> {
             | Quantity::Friction { .. }
             | Quantity::TangentialRestitution { .. }
             | Quantity::Tilt { .. }
+            | Quantity::Force { .. }
+            | Quantity::LinearDrag { .. }
+            | Quantity::QuadraticDrag { .. }
+            | Quantity::Lift { .. }
             | Quantity::Gravity { .. }
             | Quantity::Moment { .. }
             | Quantity::Mass { .. }
@@ -154,7 +143,7 @@ impl<'a> JoinedPart<'a> {
         let mut named = raw.free.iter().map(|free| &free.quantity);
         let place = named.find(|name| other.name.starts_with(name.get_ref().as_str()));
         let said = format!(
-            "of joined bodies clocks, forces, drags and lifts are given, expected another quantity than {:?}",
+            "of joined bodies clocks are given, expected another quantity than {:?}",
             other.name
         );
         fault(place.map_or(0..0, Spanned::span), said)
@@ -165,9 +154,6 @@ impl<'a> JoinedPart<'a> {
         &'r self,
         raw: &'r RawScene,
     ) -> impl Iterator<Item = (Range<usize>, &'static str)> + 'r {
-        let bodies = raw.body.iter().zip(self.scene.links.keys());
-        let bodies = bodies.filter(|(_, link)| self.has_link(*link));
-        let of_bodies = bodies.flat_map(|(body, _)| unused_of_body(body.get_ref()));
         let is_end = |event: &&RawEvent| ["start", "end"].contains(&event.kind.get_ref().as_str());
         let ends = raw.event.iter().map(Spanned::get_ref).filter(is_end);
         let of_events = ends.flat_map(unused_of_end);
@@ -175,7 +161,7 @@ impl<'a> JoinedPart<'a> {
         let of_goals = goals
             .filter(|goal| self.has_goal(goal))
             .flat_map(unused_of_goal);
-        let all = of_bodies.chain(of_events).chain(of_goals);
+        let all = of_events.chain(of_goals);
         all.filter_map(|(span, said)| Some((span?, said)))
     }
 }
@@ -185,20 +171,6 @@ type Unused = (Option<Range<usize>>, &'static str);
 
 fn span<T>(of: &Option<Spanned<T>>) -> Option<Range<usize>> {
     of.as_ref().map(Spanned::span)
-}
-
-fn unused_of_body(body: &RawBody) -> Vec<Unused> {
-    let flies =
-        "bodies of a scene with joints fly in gravity alone, expected neither force nor drag";
-    vec![
-        (span(&body.force_m_s2), flies),
-        (span(&body.drag_linear_per_s), flies),
-        (span(&body.drag_quadratic_per_m), flies),
-        (
-            span(&body.lift),
-            "bodies of a scene with joints fly in gravity alone, expected no lift",
-        ),
-    ]
 }
 
 fn unused_of_end(event: &RawEvent) -> Vec<Unused> {

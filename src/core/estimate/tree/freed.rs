@@ -25,7 +25,9 @@ impl TreeProblem {
         };
         let values = self.moving().map(|at| {
             let quantity = self.parameters[at].quantity;
-            (quantity, parameters[at])
+            // A bound is met but for rounding, beyond which there is no such body.
+            let [least, most] = quantity.limits();
+            (quantity, parameters[at].clamp(least, most))
         });
         let there = self.with(scene, &values.collect::<Vec<_>>())?;
         Some(Cow::Owned(Self {

@@ -1,4 +1,5 @@
-//! How a motion changes with what is freed of its scene: by central differences of whole evaluations.
+//! How a motion changes with what is freed of its scene: by differences of whole evaluations, central ones but beside the end
+//! of what a quantity can be, as where a drag is nearly none.
 //!
 //! The flow takes as many steps on both sides, so that it is one smooth function of these quantities. A formula for each would be the
 //! derivative of the articulated-body algorithm by each of its constants.
@@ -11,12 +12,23 @@ use crate::optimise::System;
 
 /// Step of the differences, in typical changes of a quantity.
 const STEP: f64 = 1e-3;
-/// Central differences of order four: steps, and the share of each value.
-const CENTRAL: [(f64, f64); 4] = [
+/// Differences of order four: steps, and the share of each value.
+type Stencil = [(f64, f64); 5];
+/// Central ones,
+const CENTRAL: Stencil = [
     (-2.0, 1.0 / 12.0),
     (-1.0, -2.0 / 3.0),
+    (0.0, 0.0),
     (1.0, 2.0 / 3.0),
     (2.0, -1.0 / 12.0),
+];
+/// and forward ones.
+const FORWARD: Stencil = [
+    (0.0, -25.0 / 12.0),
+    (1.0, 4.0),
+    (2.0, -3.0),
+    (3.0, 4.0 / 3.0),
+    (4.0, -1.0 / 4.0),
 ];
 
 impl TreeProgram<'_> {
@@ -26,9 +38,15 @@ impl TreeProgram<'_> {
             return Some(Vec::new());
         }
         let each = self.problem.moving().map(|parameter| {
-            let by = STEP * self.problem.parameters[parameter].quantity.typical();
+            let quantity = self.problem.parameters[parameter].quantity;
+            let by = STEP * quantity.typical();
+            let [least, _] = quantity.limits();
+            let stencil = match point.parameters[parameter] + CENTRAL[0].0 * by < least {
+                true => FORWARD,
+                false => CENTRAL,
+            };
             let mut of: Option<MotionValues> = None;
-            for (steps, share) in CENTRAL {
+            for (steps, share) in stencil.into_iter().filter(|(_, share)| *share != 0.0) {
                 let mut there = point.clone();
                 there.parameters[parameter] += steps * by;
                 let values = self.values(part, &there)?;

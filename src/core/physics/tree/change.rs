@@ -86,6 +86,9 @@ impl Change {
         for node in &tree.nodes {
             self.passive(tree, node, coordinates);
         }
+        for link in &tree.pushed {
+            link.take_change(tree, field, root, &mut self.rows, self.stride);
+        }
         for number in &mut self.rows {
             *number = -*number;
         }
@@ -190,7 +193,7 @@ impl Change {
             (node.column + row) * stride + node.column + column - turned
         };
         match node.motor {
-            Motor::Pin => self.rows[at(0, 0)] += node.stiffness_n_m,
+            Motor::Pin | Motor::Slide => self.rows[at(0, 0)] += node.stiffness_n_m,
             Motor::Ball => {
                 let by_turn = so3::right_jacobian_inverse(&twist(&coordinates[node.coordinates()]));
                 for row in 0..3 {

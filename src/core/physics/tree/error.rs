@@ -44,9 +44,9 @@ pub enum TreeError {
         /// As given.
         mass_kg: f64,
     },
-    /// A force per mass or a drag acts on a link; trees know gravity only.
-    #[error("link {link}: trees have no drag and no force per mass")]
-    Force {
+    /// Something supports a link: what lies or rolls is joined to nothing.
+    #[error("link {link}: what something supports is no link of a tree")]
+    Support {
         /// Link.
         link: usize,
     },

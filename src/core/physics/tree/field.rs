@@ -18,6 +18,8 @@ pub struct Field {
     pub momenta: Vec<Force>,
     /// Per node: force that its motion without `u̇` needs, `I a + v ×* I v`.
     pub forces: Vec<Force>,
+    /// Per node: the same less what pushes its links; only of a tree of which something is pushed.
+    loads: Vec<Force>,
     pub articulated: Articulated,
     /// `u̇` per column.
     pub rates_by_time: Vec<f64>,
@@ -34,6 +36,7 @@ impl Field {
             inertias: vec![Inertia::ZERO; nodes],
             momenta: vec![Force::ZERO; nodes],
             forces: vec![Force::ZERO; nodes],
+            loads: vec![Force::ZERO; if tree.pushed.is_empty() { 0 } else { nodes }],
             articulated: Articulated::new(tree),
             rates_by_time: vec![0.0; tree.columns],
             base: Vector3::zeros(),
@@ -68,9 +71,18 @@ impl Field {
         }
         self.articulated
             .factor(tree, &self.inertias, &self.kinematics.axes);
-        self.base = self
-            .articulated
-            .solve(tree, &self.forces, &mut self.rates_by_time);
+        if !tree.pushed.is_empty() {
+            self.loads.copy_from_slice(&self.forces);
+            for link in &tree.pushed {
+                let push = link.push(self, root);
+                self.loads[link.node] += push * -1.0;
+            }
+        }
+        let loads = match tree.pushed.is_empty() {
+            true => &self.forces,
+            false => &self.loads,
+        };
+        self.base = self.articulated.solve(tree, loads, &mut self.rates_by_time);
     }
 
     /// Acceleration of a node, `u̇` included.
@@ -108,7 +120,7 @@ fn passive(node: &TreeNode, coordinates: &[f64], rates: &[f64], moments: &mut [f
         return;
     }
     match node.motor {
-        Motor::Pin => {
+        Motor::Pin | Motor::Slide => {
             let turned = coordinates[node.coordinate] - node.rest_rad;
             moments[node.column] -= node.stiffness_n_m * turned;
         }

@@ -313,7 +313,9 @@ impl<'t> Flow<'t> {
             }
             let direction = node.column - turned;
             match node.motor {
-                Motor::Pin => self.changes[node.coordinate * stride + direction] = 1.0,
+                Motor::Pin | Motor::Slide => {
+                    self.changes[node.coordinate * stride + direction] = 1.0;
+                }
                 // δQ = ½ Q θ
                 Motor::Ball => {
                     let q = four(&self.state[node.coordinate..]);

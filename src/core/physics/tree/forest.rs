@@ -124,7 +124,7 @@ impl Forest {
         let (tree, link) = self.tree_of(place);
         let begin = self.begins[tree].rate;
         let shift = if link == 0 {
-            self.trees[tree].shift()
+            self.trees[tree].translations()
         } else {
             0
         };
@@ -134,7 +134,7 @@ impl Forest {
     /// Whether a rate is of a free base's translation: not of an angle.
     pub fn is_translation(&self, rate: usize) -> bool {
         let after = self.begins.partition_point(|begin| begin.rate <= rate);
-        rate - self.begins[after - 1].rate < self.trees[after - 1].shift()
+        rate - self.begins[after - 1].rate < self.trees[after - 1].translations()
     }
 
     /// A tree's part of a state of all.

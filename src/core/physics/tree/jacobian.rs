@@ -70,7 +70,7 @@ impl Flow<'_> {
         let mut turns = vec![0.0; 3 * stride];
         for node in &tree.nodes {
             match node.motor {
-                Motor::Pin => put(shift + node.column, row(node.coordinate)),
+                Motor::Pin | Motor::Slide => put(shift + node.column, row(node.coordinate)),
                 Motor::Ball => {
                     let q = four(&self.state[node.coordinate..]);
                     let of_q = &changes[node.coordinate * stride..];

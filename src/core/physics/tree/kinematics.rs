@@ -19,6 +19,10 @@ pub struct Root {
     pub velocity: Motion,
     /// Acceleration, less gravity.
     pub acceleration: Motion,
+    /// World from the frame,
+    pub turn: Matrix3<f64>,
+    /// and the frame's own velocity in the world [m/s, its axes]. These two tell what the air does.
+    pub flying_m_s: Vector3<f64>,
 }
 
 impl Root {
@@ -30,6 +34,7 @@ impl Root {
                 angular: Vector3::zeros(),
                 linear: -gravity_m_s2,
             },
+            ..Self::FALLING
         }
     }
 
@@ -45,6 +50,8 @@ impl Root {
                 angular: anchor.spin_rate_rad_s2,
                 linear: anchor.turn.tr_mul(&pulled_m_s2),
             },
+            turn: anchor.turn,
+            flying_m_s: anchor.turn.tr_mul(&anchor.velocity_m_s),
         }
     }
 
@@ -52,6 +59,8 @@ impl Root {
     pub const FALLING: Self = Self {
         velocity: Motion::ZERO,
         acceleration: Motion::ZERO,
+        turn: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+        flying_m_s: Vector3::new(0.0, 0.0, 0.0),
     };
 }
 
@@ -86,7 +95,7 @@ impl Kinematics {
     /// be unit, only their direction counts.
     pub fn update(&mut self, tree: &Tree, coordinates: &[f64], rates: &[f64], root: &Root) {
         for (index, node) in tree.nodes.iter().enumerate() {
-            let (mut rotation, position, velocity, drift) = match node.parent {
+            let (mut rotation, mut position, velocity, drift) = match node.parent {
                 Some(parent) => (
                     self.rotations[parent] * node.rotation,
                     self.positions[parent] + self.rotations[parent] * node.translation,
@@ -110,6 +119,10 @@ impl Kinematics {
                     rotation.set_column(0, &(x * cos + y * sin));
                     rotation.set_column(1, &(y * cos - x * sin));
                 }
+                Motor::Slide => {
+                    let along = rotation.column(2) * coordinates[node.coordinate];
+                    position += along;
+                }
                 // The frame is the free base's own.
                 Motor::Ball if tree.is_free && index == 0 => {}
                 Motor::Ball => rotation *= turn(&coordinates[node.coordinate..]),
@@ -118,13 +131,19 @@ impl Kinematics {
             let columns = node.columns();
             let first = 3 - columns.len();
             for (axis, column) in columns.enumerate() {
-                // A pin turns about the third axis, a ball about all.
-                let angular = rotation
+                // A pin turns about the third axis, a ball about all, and a slide moves along the third.
+                let along = rotation
                     .column(if first == 0 { axis } else { 2 })
                     .into_owned();
-                let moved = Motion {
-                    angular,
-                    linear: position.cross(&angular),
+                let moved = match node.motor {
+                    Motor::Slide => Motion {
+                        angular: Vector3::zeros(),
+                        linear: along,
+                    },
+                    Motor::Pin | Motor::Ball => Motion {
+                        angular: along,
+                        linear: position.cross(&along),
+                    },
                 };
                 self.axes[column] = moved;
                 own += moved * rates[column];

@@ -1,5 +1,6 @@
 //! Trees of rigid bodies: bodies joined by joints, without circles.
 
+mod air;
 mod articulated;
 mod centre;
 mod change;

@@ -1,10 +1,12 @@
 //! A tree of rigid bodies and how its numbers are laid out.
 //!
 //! Inside, a tree is a list of *nodes*, parents first: what moves as one rigid body. A universal joint
-//! is two nodes, the first without mass; links behind fixed joints belong to their parent's node.
+//! is two nodes, the first without mass; links behind fixed joints belong to their parent's node. A free base that
+//! something but gravity pushes is three slides along the world's axes and a ball.
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::air::PushedLink;
 use super::error::TreeError;
 use super::hand::Hand;
 use super::joint::{Joint, JointKind};
@@ -31,6 +33,8 @@ pub struct Link {
 pub(super) enum Motor {
     /// About the third axis of its frame.
     Pin,
+    /// Along the third axis of its frame \[m\].
+    Slide,
     /// Any rotation: the coordinate is a quaternion `(i, j, k, w)`.
     Ball,
 }
@@ -58,12 +62,12 @@ pub(super) struct TreeNode {
 impl TreeNode {
     /// Its columns: one per rate.
     pub fn columns(&self) -> std::ops::Range<usize> {
-        self.column..self.column + if self.motor == Motor::Pin { 1 } else { 3 }
+        self.column..self.column + if self.motor == Motor::Ball { 3 } else { 1 }
     }
 
     /// Its coordinates: an angle or a quaternion.
     pub fn coordinates(&self) -> std::ops::Range<usize> {
-        self.coordinate..self.coordinate + if self.motor == Motor::Pin { 1 } else { 4 }
+        self.coordinate..self.coordinate + if self.motor == Motor::Ball { 4 } else { 1 }
     }
 }
 
@@ -82,7 +86,12 @@ pub struct Tree {
     pub(super) links: Vec<(Option<usize>, Pose)>,
     /// Each link's own nodes: those of the joint from which it hangs.
     joints: Vec<std::ops::Range<usize>>,
+    /// Links that something but gravity pushes.
+    pub(super) pushed: Vec<PushedLink>,
+    /// Whether it flies in gravity alone: its centre of mass is on a parabola, and its translation is not integrated.
     pub(super) is_free: bool,
+    /// Whether it flies.
+    is_flying: bool,
     /// Where the first joint is: the origin of all that is computed, near the bodies.
     /// Of what hangs from a hand it is in the axes of the held body.
     pub(super) anchor_m: Vector3<f64>,
@@ -98,13 +107,16 @@ impl Tree {
     /// A tree of links, each after its parent.
     pub fn new(links: &[Link]) -> Result<Self, TreeError> {
         let first = links.first().ok_or(TreeError::Empty)?;
-        let is_free = first.joint.kind == JointKind::Free;
+        let is_flying = first.joint.kind == JointKind::Free;
+        let is_pushed = links.iter().any(|of| PushedLink::is_pushed(&of.body));
         let mut tree = Self {
             nodes: Vec::new(),
             links: Vec::new(),
             joints: Vec::new(),
-            is_free,
-            anchor_m: match is_free {
+            pushed: Vec::new(),
+            is_free: is_flying && !is_pushed,
+            is_flying,
+            anchor_m: match is_flying {
                 true => Vector3::zeros(),
                 false => first.joint.parent_from_joint.translation.vector,
             },
@@ -114,7 +126,7 @@ impl Tree {
             columns: 0,
         };
         for (index, link) in links.iter().enumerate() {
-            check(index, link, is_free)?;
+            check(index, link, is_flying)?;
             let first = tree.nodes.len();
             tree.add(link);
             tree.joints.push(first..tree.nodes.len());
@@ -127,17 +139,17 @@ impl Tree {
     /// # Panics
     /// Of a tree that flies.
     pub fn in_hand(self, hand: Hand) -> Self {
-        assert!(!self.is_free, "what flies hangs from nothing");
+        assert!(!self.is_flying, "what flies hangs from nothing");
         Self {
             hand: Some(hand),
             ..self
         }
     }
 
-    /// Whether its energy stays what it is between impacts: nothing damps or drives it, and no joint has a spring.
+    /// Whether its energy stays what it is between impacts: nothing damps, pushes or drives it, and no joint has a spring.
     pub fn keeps_energy(&self) -> bool {
         let is_passive = |of: &TreeNode| of.damping_n_m_s == 0.0 && of.stiffness_n_m == 0.0;
-        !self.is_in_hand() && self.nodes.iter().all(is_passive)
+        !self.is_in_hand() && self.pushed.is_empty() && self.nodes.iter().all(is_passive)
     }
 
     /// Whether it hangs from a hand.
@@ -173,7 +185,15 @@ impl Tree {
                 pose = Pose::identity();
             }
             JointKind::Free => {
-                parent = Some(self.push(None, &Pose::identity(), Motor::Ball, link, 0));
+                let mut pose = Pose::identity();
+                let slides = if self.is_free { 0 } else { 3 };
+                for axis in 0..slides {
+                    let turned = so3::between(&Vector3::z(), &Vector3::ith(axis, 1.0));
+                    let turned = Pose::from_parts(Vector3::zeros().into(), turned);
+                    parent = Some(self.push(parent, &(pose * turned), Motor::Slide, link, 0));
+                    pose = turned.inverse();
+                }
+                parent = Some(self.push(parent, &pose, Motor::Ball, link, 0));
                 self.links.push((parent, Pose::identity()));
                 self.load(parent, &Pose::identity(), &link.body);
                 return;
@@ -219,11 +239,13 @@ impl Tree {
         self.nodes[node].inertia +=
             Inertia::new(body.mass_kg(), &node_from_link.translation.vector, &moments);
         self.mass_kg += body.mass_kg();
-    }
-
-    /// Whether the tree flies.
-    pub fn is_free(&self) -> bool {
-        self.is_free
+        if PushedLink::is_pushed(body) {
+            self.pushed.push(PushedLink {
+                node,
+                centre_m: node_from_link.translation.vector,
+                body: *body,
+            });
+        }
     }
 
     /// Mass of all that moves \[kg\].
@@ -239,8 +261,10 @@ impl Tree {
     /// Places among the tangent's first half of what the joint leaves free from which a link hangs; of a
     /// free base, of its orientation.
     pub fn columns_of(&self, link: usize) -> std::ops::Range<usize> {
-        let nodes = &self.nodes[self.joints[link].clone()];
-        match (nodes.first(), nodes.last()) {
+        let nodes = self.nodes[self.joints[link].clone()].iter();
+        let mut nodes = nodes.filter(|node| node.motor != Motor::Slide);
+        let first = nodes.next();
+        match (first, nodes.next_back().or(first)) {
             (Some(first), Some(last)) => {
                 self.shift() + first.columns().start..self.shift() + last.columns().end
             }
@@ -274,12 +298,12 @@ impl Tree {
         self.columns + self.shift()
     }
 
-    /// Number of rates that are of angles: all but those of a free base's translation.
-    pub fn angular_freedoms(&self) -> usize {
-        self.columns
+    /// How many of the first rates, and coordinates, are a free base's translation.
+    pub fn translations(&self) -> usize {
+        if self.is_flying { 3 } else { 0 }
     }
 
-    /// How many coordinates, and rates, a free base's translation has.
+    /// How many of them are not integrated.
     pub(super) fn shift(&self) -> usize {
         if self.is_free { 3 } else { 0 }
     }
@@ -330,8 +354,8 @@ fn check(index: usize, link: &Link, is_free: bool) -> Result<(), TreeError> {
             mass_kg: link.body.mass_kg(),
         });
     }
-    if !link.body.is_ballistic() || link.body.force_m_s2() != Vector3::zeros() {
-        return Err(TreeError::Force { link: index });
+    if link.body.support().is_some() {
+        return Err(TreeError::Support { link: index });
     }
     let passive = [joint.damping_n_m_s, joint.stiffness_n_m];
     let can = !matches!(joint.kind, JointKind::Fixed | JointKind::Free);

@@ -77,7 +77,7 @@ impl Tree {
         for node in &self.nodes {
             let (at, from) = (shift + node.coordinate, shift + node.column);
             match node.motor {
-                Motor::Pin => moved.coordinates[at] += delta[from],
+                Motor::Pin | Motor::Slide => moved.coordinates[at] += delta[from],
                 Motor::Ball => {
                     let turned = unit(&state.coordinates[at..]) * so3::exp(&vector(&delta[from..]));
                     let turned = turned.into_inner();
@@ -102,7 +102,9 @@ impl Tree {
         for node in &self.nodes {
             let (at, to) = (shift + node.coordinate, shift + node.column);
             match node.motor {
-                Motor::Pin => delta[to] = state.coordinates[at] - origin.coordinates[at],
+                Motor::Pin | Motor::Slide => {
+                    delta[to] = state.coordinates[at] - origin.coordinates[at];
+                }
                 Motor::Ball => {
                     let turn =
                         unit(&origin.coordinates[at..]).inverse() * unit(&state.coordinates[at..]);

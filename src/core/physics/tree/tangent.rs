@@ -27,7 +27,7 @@ pub fn coordinates_by_time(tree: &Tree, state: &[f64], slope: &mut [f64]) {
     for node in &tree.nodes {
         let (at, from) = (node.coordinate, node.column);
         match node.motor {
-            Motor::Pin => slope[at] = rates[from],
+            Motor::Pin | Motor::Slide => slope[at] = rates[from],
             Motor::Ball => {
                 let omega = [rates[from], rates[from + 1], rates[from + 2]];
                 let product = times_rate(&four(&coordinates[at..]), &omega);
@@ -77,7 +77,7 @@ impl Tangent {
         for node in &tree.nodes {
             let (at, column) = (node.coordinate * stride, node.column);
             match node.motor {
-                Motor::Pin => {
+                Motor::Pin | Motor::Slide => {
                     slope[at..at + stride]
                         .copy_from_slice(&of_rates[column * stride..(column + 1) * stride]);
                     let to = (column - turned) * stride;

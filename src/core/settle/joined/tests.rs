@@ -44,7 +44,7 @@ fn ending(scene: &Scene, turns_rad: &[f64], rates_rad_s: &[f64]) -> Estimate {
     let (mechanism, joined) = scene.joint_trees().next().unwrap();
     let tree = scene.tree_model(joined);
     let freedoms = tree.freedoms();
-    let flight = freedoms - tree.angular_freedoms();
+    let flight = tree.translations();
     let mut delta = vec![0.0; 2 * freedoms];
     for index in flight..freedoms {
         delta[index] = turns_rad[(index - flight) % turns_rad.len()];

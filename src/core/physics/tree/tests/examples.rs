@@ -4,9 +4,10 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use crate::math::Pose;
 use crate::math::random::Random;
-use crate::physics::Body;
+use crate::physics::body::Symmetry;
 use crate::physics::tree::impact::Side;
 use crate::physics::tree::{Forest, ForestSnapshot, Joint, JointKind, Link, Tree, TreeState};
+use crate::physics::{Body, Drag};
 
 pub const GRAVITY: Vector3<f64> = Vector3::new(0.3, -0.2, -9.81);
 
@@ -58,6 +59,10 @@ fn somewhere(random: &mut Random) -> Pose {
 
 /// A branched tree of all kinds of joints with arbitrary frames, dampers and springs.
 pub fn bush(is_free: bool) -> Tree {
+    Tree::new(&bush_links(is_free)).unwrap()
+}
+
+fn bush_links(is_free: bool) -> Vec<Link> {
     let mut random = Random::default();
     let parents = [
         None,
@@ -69,7 +74,7 @@ pub fn bush(is_free: bool) -> Tree {
         Some(2),
         Some(3),
     ];
-    let links: Vec<Link> = parents
+    parents
         .iter()
         .enumerate()
         .map(|(index, parent)| {
@@ -98,8 +103,44 @@ pub fn bush(is_free: bool) -> Tree {
                 body: Body::new(0.3 * a, Vector3::new(b + c, c + a, a + b) * 0.01).unwrap(),
             }
         })
-        .collect();
-    Tree::new(&links).unwrap()
+        .collect()
+}
+
+/// Trees whose links are pushed by forces, slowed by the air and, where they are balls, lifted by it.
+pub fn pushed_trees() -> Vec<(&'static str, Tree)> {
+    let of = |mut links: Vec<Link>| {
+        for (link, at) in links.iter_mut().zip(1..) {
+            link.body = pushed(link.body, f64::from(at));
+        }
+        Tree::new(&links).unwrap()
+    };
+    let mut cord = rods(2, JointKind::Ball, UNIVERSAL);
+    cord[1].body = ball();
+    vec![
+        ("chain", of(rods(3, JointKind::Free, UNIVERSAL))),
+        ("bush, free", of(bush_links(true))),
+        ("bush, clamped", of(bush_links(false))),
+        ("ball on a cord", of(cord)),
+    ]
+}
+
+pub fn ball() -> Body {
+    Body::new(0.2, Vector3::repeat(1e-3)).unwrap()
+}
+
+/// A body that is pushed, the more the greater this is.
+pub fn pushed(body: Body, by: f64) -> Body {
+    let drag = Drag {
+        linear_per_s: 0.3 * by,
+        quadratic_per_m: 0.2 / by,
+    };
+    let force_m_s2 = Vector3::new(0.5, -0.8 * by, 0.3);
+    let pushed = body.with_force(force_m_s2).unwrap();
+    let pushed = pushed.with_drag(drag).unwrap();
+    match body.symmetry() {
+        Symmetry::Spherical => pushed.with_lift(0.05 * by).unwrap(),
+        _ => pushed,
+    }
 }
 
 /// Some state with coordinates and rates of the given sizes.

@@ -45,11 +45,11 @@ impl Carrier for Moves {
     }
 }
 
-const STILL: fn(f64) -> [[f64; 3]; 2] = |_| [[0.0; 3]; 2];
+pub const STILL: fn(f64) -> [[f64; 3]; 2] = |_| [[0.0; 3]; 2];
 const HERE: fn(f64) -> [Vector3<f64>; 3] = |_| [Vector3::zeros(); 3];
 const AXES: [Vector3<f64>; 2] = [Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.6, 0.8, 0.0)];
 
-fn hand(place: fn(f64) -> [Vector3<f64>; 3], turns: fn(f64) -> [[f64; 3]; 2]) -> Hand {
+pub fn hand(place: fn(f64) -> [Vector3<f64>; 3], turns: fn(f64) -> [[f64; 3]; 2]) -> Hand {
     Hand::new(Moves {
         place,
         axes: AXES,
@@ -58,7 +58,7 @@ fn hand(place: fn(f64) -> [Vector3<f64>; 3], turns: fn(f64) -> [[f64; 3]; 2]) ->
 }
 
 /// Swung to and fro and turned about two axes.
-fn swung() -> Hand {
+pub fn swung() -> Hand {
     let place = |t: f64| {
         let (s, c) = (7.0 * t).sin_cos();
         let along = Vector3::new(0.2, -0.1, 0.3);

@@ -216,7 +216,7 @@ fn the_law_keeps_its_promises_for_two_links() {
             let [was, is] = [state, &later].map(|of| momenta(forest, of, tree));
             [is[0] - was[0], is[1] - was[1]]
         };
-        let flies = |tree: usize| forest.trees()[tree].is_free();
+        let flies = |tree: usize| forest.trees()[tree].translations() > 0;
         let is_one = sides[0].0 == sides[1].0;
         for (tree, sign) in sides.into_iter().filter(|(tree, _)| flies(*tree)) {
             let of_impulse = match is_one {

@@ -1,6 +1,7 @@
 //! Trees against formulas, against each other and against differences.
 
 mod accelerations;
+mod air;
 mod examples;
 mod flow;
 mod forms;

@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::examples::{PIN, UNIVERSAL, rods};
+use crate::physics::Body;
 use crate::physics::tree::{JointKind, Tree, TreeError};
-use crate::physics::{Body, Drag};
 
 #[test]
 fn wrong_trees_are_refused_by_name() {
@@ -48,15 +48,6 @@ fn wrong_trees_are_refused_by_name() {
     );
     let infinite = refused(&|links| links[2].body = Body::IMMOVABLE);
     assert!(matches!(infinite, TreeError::Mass { link: 2, .. }));
-    let drag = Drag {
-        linear_per_s: 1.0,
-        quadratic_per_m: 0.0,
-    };
-    let dragged = good[1].body.with_drag(drag).unwrap();
-    assert_eq!(
-        refused(&|links| links[1].body = dragged),
-        TreeError::Force { link: 1 }
-    );
     assert_eq!(
         refused(&|links| links[0].joint.damping_n_m_s = 1.0),
         TreeError::Passive { link: 0 }

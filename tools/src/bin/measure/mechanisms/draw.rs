@@ -187,7 +187,7 @@ impl Mechanism {
 
 fn units(row: &Row, tree: &Tree) -> [Vec<f64>; 2] {
     let per_s = (GRAVITY_M_S2.norm() / row.size_m).sqrt();
-    let shift = tree.freedoms() - tree.angular_freedoms();
+    let shift = tree.translations();
     let unit = |at: usize| if at < shift { row.size_m } else { 1.0 };
     let coordinates: Vec<f64> = (0..tree.freedoms()).map(unit).collect();
     let rates = coordinates.iter().map(|unit| unit * per_s).collect();

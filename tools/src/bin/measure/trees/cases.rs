@@ -95,7 +95,7 @@ impl Kinds {
         let tree = performance.tree();
         let mut start = performance.truth.clone();
         if self.is_fast {
-            let shift = tree.freedoms() - tree.angular_freedoms();
+            let shift = tree.translations();
             for rate in &mut start.rates[shift..] {
                 *rate *= FAST_RAD_S / USUAL_RAD_S;
             }
@@ -127,7 +127,7 @@ impl Case {
             (snapshot.energy(0.0), snapshot.momentum().1)
         };
         let (kinetic_j, momentum) = with(&Vector3::zeros());
-        if self.tree.is_free() {
+        if self.tree.translations() > 0 {
             let about_j = kinetic_j - 0.5 * momentum.norm_squared() / self.tree.mass_kg();
             return [about_j; 2];
         }
@@ -138,7 +138,7 @@ impl Case {
     /// which a rod falls its length.
     pub fn apart(&self, state: &TreeState, other: &TreeState) -> f64 {
         let freedoms = self.tree.freedoms();
-        let shift = freedoms - self.tree.angular_freedoms();
+        let shift = self.tree.translations();
         let per_s = (self.gravity_m_s2.norm() / ROD_M).sqrt();
         let delta = self.tree.minus(state, other);
         let (coordinates, rates) = delta.split_at(freedoms);

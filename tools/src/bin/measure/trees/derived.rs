@@ -58,7 +58,7 @@ impl Derived {
 
 /// How long the estimator's steps are \[s\].
 fn step_s(case: &Case, [most_s, turn_rad]: [f64; 2]) -> f64 {
-    let flight = case.tree.freedoms() - case.tree.angular_freedoms();
+    let flight = case.tree.translations();
     let mut flow = Flow::new(&case.tree, &case.gravity_m_s2, DORMAND_PRINCE);
     flow.begin(&case.start, false);
     let mut fastest_rad_s = 0.0_f64;

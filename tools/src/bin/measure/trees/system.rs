@@ -33,7 +33,7 @@ pub struct Layout {
 
 impl Layout {
     fn of(tree: &Tree) -> Self {
-        let shift = tree.freedoms() - tree.angular_freedoms();
+        let shift = tree.translations();
         let (mut parts, mut at) = (Vec::new(), 0);
         for link in 0..tree.link_count() {
             let columns = tree.columns_of(link);
@@ -56,7 +56,7 @@ impl Layout {
         Self {
             parts,
             coordinates: at,
-            rates: tree.angular_freedoms(),
+            rates: tree.freedoms() - shift,
             shift,
         }
     }

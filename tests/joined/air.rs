@@ -1,0 +1,107 @@
+//! Forces, drag and lift on joined bodies, given and free.
+
+use enact::config::scene_from_toml;
+use enact::motion::{Estimate, LinkIndex, Quantity, Scene, TakeEvent, Verdict};
+use enact::pipeline::Pipeline;
+use enact_tools::beside::Beside;
+use enact_tools::trees::{self, Jointed, Kind, TreeActing};
+
+const EXACT: TreeActing = TreeActing {
+    wander_m: 0.0,
+    noise_m: 0.0,
+    rate_hz: trees::RATE_HZ,
+    asks_start: false,
+    pushes: "force_m_s2 = [0.7, 1.5, 0.5]\ndrag_linear_per_s = 0.6\ndrag_quadratic_per_m = 0.2\n",
+    slowly: None,
+};
+
+fn finished(scene: Scene, events: &[TakeEvent]) -> Estimate {
+    let outcome = Pipeline::of(scene, events.iter().cloned()).finish(&mut ());
+    outcome.expect("an estimate").estimate
+}
+
+/// Of a pendulum that is pushed by wind and slowed by the air, what pushes it comes back from exact samples; so does that
+/// of a chain that flies.
+#[test]
+fn an_exact_sketch_gives_the_air_back() {
+    let chain = TreeActing {
+        asks_start: true,
+        ..EXACT
+    };
+    for (kind, acting) in [
+        (Kind::pendulum(2, Jointed::Pin), EXACT),
+        (Kind::CHAIN, chain),
+    ] {
+        let performance = trees::perform(&kind, &acting, 8400);
+        let link = LinkIndex(1);
+        for (quantity, initial) in [
+            (Quantity::LinearDrag { link }, 0.3),
+            (Quantity::QuadraticDrag { link }, 0.5),
+            (Quantity::Force { link, axis: 1 }, 1.0),
+        ] {
+            let mut scene = performance.scene.clone();
+            let truth = scene.value_of(quantity);
+            scene.parameters = vec![scene.freed(quantity, initial)];
+            let estimate = finished(scene, &performance.events);
+            let said = (kind, quantity, &estimate.reason, &estimate.doubts);
+            assert_eq!(estimate.verdict, Verdict::Physical, "{said:?}");
+            let found = estimate.parameters[0].value;
+            let off = (found - truth).abs() / quantity.typical();
+            assert!(off < 0.02, "{said:?}: {found} for {truth}");
+        }
+    }
+}
+
+/// From a tracker that is hardly wrong, drag is as certain as it is said to be.
+#[test]
+fn drag_is_told_within_its_deviation() {
+    let acting = TreeActing {
+        noise_m: 2e-4,
+        ..EXACT
+    };
+    let quantity = Quantity::QuadraticDrag { link: LinkIndex(1) };
+    let mut within = 0;
+    for seed in 8410..8420 {
+        let performance = trees::perform(&Kind::pendulum(2, Jointed::Universal), &acting, seed);
+        let mut scene = performance.scene.clone();
+        scene.parameters = vec![scene.freed(quantity, 0.0)];
+        let estimate = finished(scene, &performance.events);
+        let found = &estimate.parameters[0];
+        let said = (found, &estimate.reason, &estimate.doubts);
+        let sd = found.sd.unwrap_or_else(|| panic!("{seed}: {said:?}"));
+        within += usize::from((found.value - 0.2).abs() < 2.0 * sd);
+    }
+    assert!(within >= 8, "{within} of 10");
+}
+
+/// A ball that the air slows and lifts moves alike by itself and as a tree of one link, tied to a lamp by a goal that asks
+/// next to nothing.
+#[test]
+fn a_ball_in_the_air_moves_alike_beside_a_lamp() {
+    let of_ball = "force_m_s2 = [0.2, 0, 0]\ndrag_quadratic_per_m = 0.1\nlift = 0.01";
+    let tie = "[[goal]]\nevent = \"end\"\nbody = \"ball\"\nrelative_to = \"lamp\"\nposition_mm = [0, 0, 300]\nsd_mm = 1e6\n";
+    for seed in 8500..8503 {
+        let of = Beside::of(seed);
+        let [alone, tied] = ["", tie].map(|further| {
+            let scene = scene_from_toml(&of.toml(of_ball, further)).expect("a valid scene");
+            assert_eq!(scene.groups().len(), if further.is_empty() { 2 } else { 1 });
+            let estimate = finished(scene.clone(), &of.take());
+            (scene, estimate)
+        });
+        eprintln!("{seed} {:?} {:?} {:?}", tied.1.verdict, tied.1.reason, tied.1.doubts);
+        eprintln!("{seed} {:?} {:?} {:?}", alone.1.verdict, alone.1.reason, alone.1.doubts);
+        for (scene, estimate) in [&alone, &tied] { for arc in &estimate.arcs { eprintln!("{:?}", (arc.start_s, arc.end_s, arc.epoch_s, arc.state.position_m, scene.flown(arc, &estimate.gravity_m_s2, arc.start_s).position_m, scene.flown(arc, &estimate.gravity_m_s2, arc.end_s).position_m)); } eprintln!("{:?}", estimate.objective); }
+        assert_ne!(tied.1.verdict, Verdict::Failed);
+        let ends_m = [&alone, &tied].map(|(scene, estimate)| {
+            let ends = estimate.arcs.iter().map(|arc| {
+                let flown = scene.flown(arc, &estimate.gravity_m_s2, arc.end_s);
+                flown.position_m
+            });
+            ends.collect::<Vec<_>>()
+        });
+        assert!(!ends_m[0].is_empty() && ends_m[0].len() == ends_m[1].len());
+        for (one, other) in ends_m[0].iter().zip(&ends_m[1]) {
+            assert!((one - other).norm() < 2e-3, "{seed}: {one} {other}");
+        }
+    }
+}
