@@ -294,7 +294,8 @@ impl Pipeline {
         scene: &Scene,
         observer: &mut dyn Observer,
     ) -> Result<Finished, PipelineError> {
-        if let Some(outcome) = joined::outcome(scene, &self.events, observer)? {
+        let may_keep_out = !self.is_predicting;
+        if let Some(outcome) = joined::outcome(scene, &self.events, may_keep_out, observer)? {
             return Ok(Finished {
                 outcome,
                 known: None,
@@ -327,7 +328,7 @@ impl Pipeline {
         }
         let predicting = self.is_predicting.then_some(&solved.inferred.solved);
         let known = predicting.and_then(Solved::last_states);
-        let may_keep_out = !self.is_predicting && sought.is_none();
+        let may_keep_out = may_keep_out && sought.is_none();
         let mut kept = (!self.is_predicting).then(|| KeptMotion(solved.clone()));
         let mut outcome = solved.outcome(after.observer);
         if self.is_predicting {
@@ -338,7 +339,7 @@ impl Pipeline {
             return Ok(ended);
         }
         let overlapping = kept.as_ref().filter(|_| may_keep_out);
-        let overlapping = overlapping.filter(|_| only_overlaps(&outcome));
+        let overlapping = overlapping.filter(|_| only_overlaps(&outcome.estimate));
         if let Some(mut out) = overlapping.and_then(|of| kept_out(of.0.clone(), after)) {
             out.refine_again(after);
             led = self.judged(&mut out, after)?;
@@ -346,7 +347,7 @@ impl Pipeline {
             let mut other = out.clone().outcome(after.observer);
             checked(&mut other, led, passed, after.observer);
             let still_fits = other.estimate.fits() != Fits::No;
-            if still_fits && !goes_into_something(&other) {
+            if still_fits && !goes_into_something(other.verification.as_ref()) {
                 (outcome, kept) = (other, Some(KeptMotion(out)));
             }
         }
@@ -389,7 +390,7 @@ impl Pipeline {
             ..*self
         };
         let mut ended = take.finished(scene, after).ok()?;
-        if after.is_used_up() || goes_into_something(&ended.outcome) {
+        if after.is_used_up() || goes_into_something(ended.outcome.verification.as_ref()) {
             return None;
         }
         early.tell(&mut ended.outcome);
@@ -423,10 +424,12 @@ impl Pipeline {
     /// The estimate from all events, unchecked: its verdict is that of its gaps alone.
     pub fn estimate(&self, observer: &mut dyn Observer) -> Result<Outcome, PipelineError> {
         let mut of = |scene: &Scene| -> Result<Outcome, PipelineError> {
-            Ok(match joined::outcome(scene, &self.events, observer)? {
-                Some(joined) => joined,
-                None => self.solved(scene, observer)?.outcome(observer),
-            })
+            Ok(
+                match joined::outcome(scene, &self.events, false, observer)? {
+                    Some(joined) => joined,
+                    None => self.solved(scene, observer)?.outcome(observer),
+                },
+            )
         };
         let outcome = match Groups::of(&self.scene, &self.events)? {
             None => of(&self.scene)?,

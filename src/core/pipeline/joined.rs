@@ -1,6 +1,7 @@
 //! The motion of a scene with joined bodies: from the events of a take to its estimate.
 
 mod infer;
+mod out;
 mod rivals;
 mod tried;
 
@@ -15,17 +16,26 @@ use crate::motion::{
 };
 use crate::segment;
 
-/// The outcome of a take; `None` of a scene in which no bodies are joined.
+/// The outcome of a take, led out of what it goes into where that may be; `None` of a scene in which no bodies are joined.
 pub(super) fn outcome(
     scene: &Scene,
     events: &[TakeEvent],
+    may_keep_out: bool,
     observer: &mut dyn Observer,
 ) -> Result<Option<Outcome>, PipelineError> {
     if scene.joint_trees().next().is_none() {
         return Ok(None);
     }
     let found = found(scene, events, observer)?;
-    let tried = found.tried;
+    let mut tried = found.tried;
+    if may_keep_out {
+        let field = TriedField {
+            scene,
+            sketch: &found.sketch,
+            marks_made_s: &found.marks_made_s,
+        };
+        tried = field.kept_out(tried, observer);
+    }
     Ok(Some(Outcome {
         scene: tried.scene.as_estimated(&tried.estimate),
         given: tried.scene,

@@ -16,6 +16,7 @@ mod continuity;
 mod general;
 mod goal;
 mod kind;
+pub(in crate::estimate) mod least;
 mod order;
 pub(in crate::estimate) mod quantity;
 mod reached;

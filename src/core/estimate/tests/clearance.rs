@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::estimate::constraint::At;
-use crate::estimate::problem::clearance::{Clearance, ClearanceTouches, FlightEnd, KeptFrom};
+use crate::estimate::problem::clearance::{
+    ClearSolids, Clearance, ClearanceTouches, FlightEnd, KeptFrom,
+};
 use crate::motion::Against;
 use crate::physics::contact::{Contact, Frame};
 
@@ -81,18 +83,20 @@ fn clearance(
         .map_or(FlightEnd::At(around_s + 0.01), FlightEnd::Event);
     let arcs: Vec<usize> = [arc].into_iter().chain(other).collect();
     Clearance {
-        link: LinkIndex(0),
-        against: Against::Surface(0),
-        from: match other {
-            Some(_) => KeptFrom::Flying,
-            None => KeptFrom::Still(frame),
+        solids: ClearSolids {
+            link: LinkIndex(0),
+            against: Against::Surface(0),
+            from: match other {
+                Some(_) => KeptFrom::Flying,
+                None => KeptFrom::Still(frame),
+            },
+            touches,
+            around_s,
+            reach_s: if pass == Pass::End { 1.0 } else { 0.01 },
+            depth_m: 0.0,
+            least_m: 0.0,
         },
-        touches,
-        around_s,
-        reach_s: if pass == Pass::End { 1.0 } else { 0.01 },
         ends: [FlightEnd::At(around_s - 0.05), end],
-        depth_m: 0.0,
-        least_m: 0.0,
         acting: crate::estimate::posing::conditions::acting(
             &problem.arcs,
             &arcs,
@@ -147,14 +151,14 @@ fn the_moment_is_that_of_the_least_distance() {
         let at = At::new(problem, point, &context.epochs_s);
         for of in &problem.clearances {
             let time_s = of.least(&at).expect("a moment").time_s;
-            if of.reach_s == 1.0 {
+            if of.solids.reach_s == 1.0 {
                 let FlightEnd::Event(event) = of.ends[1] else {
                     panic!("its flight ends at an event");
                 };
                 assert!(time_s <= point.event_times_s[event]);
             } else {
                 assert!(
-                    (time_s - of.around_s).abs() < 0.6 * of.reach_s,
+                    (time_s - of.solids.around_s).abs() < 0.6 * of.solids.reach_s,
                     "{time_s} {of:?}"
                 );
             }

@@ -50,7 +50,7 @@ impl TreeProblem {
         patterns: &[BlockPattern],
         blocks: &mut [Block],
     ) {
-        let first = self.event_block(self.events.len());
+        let first = self.bound_block();
         let mut rooms = patterns[first..].iter().zip(&mut blocks[first..]);
         let values = self.parameters.iter().zip(&point.parameters);
         for ((free, value), room) in values.zip(&mut rooms) {

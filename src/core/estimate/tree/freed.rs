@@ -71,6 +71,9 @@ impl TreeProblem {
         for goal in &mut with.goals {
             goal.set_from(&other);
         }
+        for clearance in &mut with.clearances {
+            clearance.set_from(&other);
+        }
         for sample in &mut with.samples {
             let [before, after] =
                 [scene, &other].map(|of| of.tracks[sample.track].link_from_tracker);

@@ -8,9 +8,11 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 
+use super::clearance::TreeClearance;
 use super::evaluation::{Evaluation, Told};
 use super::event::TreeEvent;
 use super::goal::TreeGoal;
+use super::nearness::StoppedMotion;
 use super::problem::TreeProblem;
 use super::program::TreeProgram;
 use super::rows;
@@ -70,12 +72,19 @@ impl TreeProgram<'_> {
                 }
                 continue;
             }
-            let to = match item.event {
-                Some(event) => Stop {
+            let mut least = None;
+            if let ItemKind::Clearance(_, clearance) = item.kind {
+                let ends = clearance.piece.ends(problem, line, point);
+                least = clearance.least(problem, ends, &mut trajectory);
+                reached = None;
+            }
+            let to = match (&least, item.event) {
+                (Some(least), _) => least.stop,
+                (None, Some(event)) => Stop {
                     time_s: point.event_times_s[first_event + event],
                     with: With::Event(event),
                 },
-                None => Stop::acted(line, item.about_s),
+                (None, None) => Stop::acted(line, item.about_s),
             };
             if reached != Some(to) {
                 trajectory.advance(to);
@@ -142,6 +151,20 @@ impl TreeProgram<'_> {
                         block,
                     );
                     reached = None;
+                }
+                ItemKind::Clearance(index, clearance) => {
+                    let (pattern, block) = self.room(problem.clearance_block(index), blocks);
+                    let Some(least) = &least else {
+                        block.spoil();
+                        continue;
+                    };
+                    let both = states(clearance.places, &snapshot, &mut links, width);
+                    let at = StoppedMotion {
+                        snapshot: &snapshot,
+                        links: both.map(|(_, by)| by),
+                        jacobian: &jacobian,
+                    };
+                    clearance.fill(least, &at, pattern, block);
                 }
                 ItemKind::Next(node) => {
                     let (pattern, block) = self.room(problem.join_block(node), blocks);
@@ -215,6 +238,16 @@ fn items(problem: &TreeProblem, node: usize) -> Vec<TimedItem<'_>> {
     for event in events.clone() {
         let kind = ItemKind::Event(event, &problem.events[event]);
         items.push(at_event(event, kind, 2));
+    }
+    for (index, clearance) in problem.clearances.iter().enumerate() {
+        if clearance.piece.node == node {
+            items.push(TimedItem {
+                phase: (clearance.piece.phase(problem), 0),
+                about_s: clearance.about_s,
+                event: None,
+                kind: ItemKind::Clearance(index, clearance),
+            });
+        }
     }
     if node + 1 < problem.nodes_s.len() {
         let mut next = at_stamp(problem.interval_s(node)[1], ItemKind::Next(node));
@@ -294,6 +327,8 @@ enum ItemKind<'a> {
     Sample(&'a TreeSample),
     Goal(usize, &'a TreeGoal),
     Event(usize, &'a TreeEvent),
+    /// At the moment of its least distance, which is found there.
+    Clearance(usize, &'a TreeClearance),
     /// The end of the interval of this node.
     Next(usize),
 }
@@ -306,6 +341,7 @@ impl ItemKind<'_> {
             ItemKind::Goal(index, _) => Some(*index),
             ItemKind::Next(node) => Some(problem.join_block(*node)),
             ItemKind::Event(index, _) => Some(problem.event_block(*index)),
+            ItemKind::Clearance(index, _) => Some(problem.clearance_block(*index)),
         }
     }
 }

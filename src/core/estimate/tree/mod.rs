@@ -9,8 +9,10 @@
 //! the start, brings the goals in by a sweep and finishes by sequential quadratic programming.
 
 mod adequacy;
+mod apart;
 pub mod before;
 mod bounds;
+pub mod clearance;
 mod continuation;
 mod curvature;
 mod evaluation;
@@ -22,10 +24,12 @@ mod interval;
 pub mod law;
 mod modes;
 mod motions;
+mod nearness;
 mod observability;
 pub mod on_nodes;
 mod optimum;
 pub mod outcome;
+mod overlapping;
 pub mod part;
 pub mod point;
 pub mod problem;

@@ -24,6 +24,7 @@ const SIDINGS: usize = 4;
 const FAR: f64 = 3.0;
 
 /// The optimum that a start leads to, with the problem whose steps are as short as it needs.
+#[derive(Clone)]
 pub struct Solved {
     /// The problem.
     pub problem: TreeProblem,

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
+use super::clearance::TreeClearance;
 use super::event::{self, TreeEvent};
 use super::goal::{self, TouchedContact, TreeGoal};
 use super::hands;
@@ -55,6 +56,8 @@ pub struct TreeProblem {
     pub goals: Vec<TreeGoal>,
     /// Those within the motion, in order of time.
     pub events: Vec<TreeEvent>,
+    /// Solids that must stay out of each other.
+    pub clearances: Vec<TreeClearance>,
     /// Where states are unknown \[s\]: at the beginning, and where errors would grow too much.
     pub nodes_s: Vec<f64>,
     /// Step of the integrator \[s\].
@@ -91,6 +94,7 @@ impl TreeProblem {
             samples,
             goals,
             events,
+            clearances: Vec::new(),
             nodes_s: vec![span_s[0]],
             step_s: f64::INFINITY,
             information: (least, most),
@@ -194,6 +198,16 @@ impl TreeProblem {
     /// The block of rows of an event within the motion: those of joins come before.
     pub(super) fn event_block(&self, event: usize) -> usize {
         self.join_block(self.nodes_s.len() - 1) + event
+    }
+
+    /// The block of the row of a clearance: those of events come before.
+    pub(super) fn clearance_block(&self, clearance: usize) -> usize {
+        self.event_block(self.events.len()) + clearance
+    }
+
+    /// The block of the first bound: those of clearances come before.
+    pub(super) fn bound_block(&self) -> usize {
+        self.clearance_block(self.clearances.len())
     }
 
     /// The event within the motion at which a goal holds; none at the start and at the end.

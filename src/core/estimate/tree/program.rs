@@ -73,6 +73,10 @@ impl<'a> TreeProgram<'a> {
             }
             blocks.push(pattern);
         }
+        let clearances = problem.clearances.iter();
+        blocks.extend(
+            clearances.map(|of| BlockPattern::dense(1, of_interval(of.piece.node).collect())),
+        );
         blocks.extend(problem.bound_patterns());
         let size = problem.unknown_count();
         let couplings =
@@ -156,7 +160,7 @@ impl<'a> TreeProgram<'a> {
         self.regularise(part, point, system);
     }
 
-    /// Adds how the rows of joins and events change with a parameter: those of goals know it.
+    /// Adds how the rows of joins, events and clearances change with a parameter: those of goals know it.
     fn fill_slope(&self, slope: &Slope, system: &mut System) {
         let unknown = self.problem.unknown_of_parameter(slope.parameter);
         let blocks = self.structure.blocks.iter().zip(&mut system.blocks);

@@ -84,7 +84,7 @@ impl Holdable for HeldTrees {
         let mut solution = self.solution.clone();
         let program = self.program();
         let blocks = &program.structure().blocks;
-        let before = &blocks[..self.problem.event_block(self.problem.events.len())];
+        let before = &blocks[..self.problem.bound_block()];
         let first: usize = before.iter().map(|block| block.row_count()).sum();
         let rows: Vec<usize> = held.iter().map(|parameter| first + parameter).collect();
         let reduced = Reduced::of(&program, &Part::whole(), &mut solution, &rows)?;

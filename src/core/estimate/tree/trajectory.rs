@@ -146,6 +146,12 @@ impl<'t> Trajectory<'t> {
         }
     }
 
+    /// Another from the state now on, without derivatives.
+    pub(super) fn aside(&mut self) -> Trajectory<'t> {
+        let state = self.flow.state();
+        Self::begun(self.problem, self.line, &state, self.now, false)
+    }
+
     /// Goes on, or back, to a time. The state is no number at one that is farther from the motion than that lasts: an event
     /// that runs away ends a step, and is not followed.
     pub(super) fn advance(&mut self, to: Stop) {

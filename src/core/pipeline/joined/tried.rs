@@ -4,7 +4,9 @@ use std::cell::OnceCell;
 
 use crate::estimate::tree::{self, Detail, RivalOutcome, Solved, TreeProblem};
 use crate::initialise;
-use crate::motion::{About, Estimate, Observer, Performer, Scene, Sketch, Verdict, Verification};
+use crate::motion::{
+    About, Doubt, Estimate, Observer, Performer, Scene, Sketch, Verdict, Verification,
+};
 use crate::physics::tree::TreeState;
 use crate::verify;
 
@@ -55,7 +57,7 @@ impl TriedField<'_> {
     pub(super) fn named(&self, scene: Scene, observer: &mut dyn Observer) -> Tried {
         let solved = self.one_by_one(&scene, observer);
         let estimate = self.estimate(&scene, &solved, Detail::Motion, observer);
-        self.checked(scene, solved, estimate, observer)
+        self.checked(scene, solved, estimate, Vec::new(), observer)
     }
 
     /// What comes of such a scene where another motion is the best so far.
@@ -77,7 +79,8 @@ impl TriedField<'_> {
             return AttemptOutcome::Worse;
         }
         let estimate = self.estimate(&scene, &solved, Detail::Motion, observer);
-        AttemptOutcome::Tried(Box::new(self.checked(scene, solved, estimate, observer)))
+        let checked = self.checked(scene, solved, estimate, Vec::new(), observer);
+        AttemptOutcome::Tried(Box::new(checked))
     }
 
     /// The same motion with the likeliest errors of a hand, with how certain it is and how well it fits.
@@ -90,8 +93,15 @@ impl TriedField<'_> {
         tree::solve(&problem, &starts, observer)
     }
 
-    fn refined(&self, scene: Scene, mut solved: Solved, observer: &mut dyn Observer) -> Tried {
+    /// The motion that is found, with the likeliest errors of a hand unless they are told.
+    pub(super) fn refined(
+        &self,
+        scene: Scene,
+        mut solved: Solved,
+        observer: &mut dyn Observer,
+    ) -> Tried {
         let is_of_hand = match scene.performer {
+            _ if solved.errs_in_time() => false,
             Performer::Hand => true,
             Performer::Nobody => false,
             Performer::Unsaid => solved.shows_hand(),
@@ -99,11 +109,12 @@ impl TriedField<'_> {
         if is_of_hand {
             solved.refine(observer);
         }
+        let passed = solved.just_passed(scene.tolerance_m);
         let estimate = self.estimate(&scene, &solved, Detail::Whole, observer);
-        self.checked(scene, solved, estimate, observer)
+        self.checked(scene, solved, estimate, passed, observer)
     }
 
-    fn estimate(
+    pub(super) fn estimate(
         &self,
         scene: &Scene,
         solved: &Solved,
@@ -124,6 +135,7 @@ impl TriedField<'_> {
         scene: Scene,
         solved: Solved,
         mut estimate: Estimate,
+        passed: Vec<Doubt>,
         observer: &mut dyn Observer,
     ) -> Tried {
         let found = verify::joined::check_until(
@@ -135,7 +147,7 @@ impl TriedField<'_> {
         );
         let verification = match found {
             Some(found) => {
-                estimate.doubt(found.doubts);
+                estimate.doubt(found.doubts.into_iter().chain(passed).collect());
                 found.verification
             }
             None => {

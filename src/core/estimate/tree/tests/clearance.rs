@@ -1,0 +1,156 @@
+//! Rows of clearances against differences, and what they hold.
+
+use super::*;
+use crate::estimate::posing::clearance::met::given_state;
+use crate::estimate::problem::clearance::{ClearSolids, ClearanceTouches, KeptFrom};
+use crate::estimate::tree::clearance::{MotionPiece, TreeClearance};
+use crate::motion::{Against, LinkIndex};
+use crate::physics::State;
+use crate::physics::contact::{Contact, Feature, Frame};
+use crate::physics::tree::ForestSnapshot;
+
+/// A point of a rod.
+const POINT_M: Vector3<f64> = Vector3::new(0.004, 0.003, -0.09);
+/// The last rod of the chain, and its first.
+const LAST: usize = 2;
+const FIRST: usize = 0;
+
+/// How a point of a rod passes something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Pass {
+    /// A ball that it passes by.
+    Ball,
+    /// An edge: it leaves one face for another.
+    Edge,
+    /// A face from which it comes where its piece of the motion begins.
+    Begin,
+    /// A face that it nears until that ends.
+    End,
+}
+
+const PASSES: [Pass; 4] = [Pass::Ball, Pass::Edge, Pass::Begin, Pass::End];
+
+/// A point of the last rod keeps clear about a time of what moves as `from` says, or of the link at a place of the forest.
+fn clearance(
+    problem: &TreeProblem,
+    point: &TreePoint,
+    (from, other): (&KeptFrom, usize),
+    around_s: f64,
+    pass: Pass,
+) -> TreeClearance {
+    let mut snapshot = ForestSnapshot::new(&problem.forest, &problem.gravity_m_s2);
+    snapshot.set(&problem.state_at(point, around_s));
+    let own = snapshot.link_state(LAST);
+    let met = given_state(from, around_s).unwrap_or_else(|| snapshot.link_state(other));
+    let there = own.position_m + own.orientation * POINT_M;
+    let speed = |of: &State| {
+        let spin = of.orientation * of.angular_velocity_rad_s;
+        of.velocity_m_s + spin.cross(&(there - of.position_m))
+    };
+    let way = (speed(&own) - speed(&met)).normalize();
+    let [across, _] = Feature::tangents(&way);
+    let frame = Frame::of(&met);
+    let seen = |place: &Vector3<f64>| frame.orientation.inverse() * (place - frame.position_m);
+    let corner = Feature::corner(POINT_M);
+    let touching = |feature: Feature| Contact::new(corner, feature).expect("a pair of features");
+    let face = |normal: Vector3<f64>| {
+        let normal = normal.normalize();
+        let on_it = there + normal * 0.004;
+        touching(Feature::face(
+            seen(&on_it),
+            frame.orientation.inverse() * normal,
+        ))
+    };
+    let one = |contact: Contact| ClearanceTouches::One(Box::new(contact));
+    let touches = match pass {
+        Pass::Ball => one(touching(Feature::Point {
+            point_m: seen(&(there - across * 0.03)),
+            radius_m: 0.032,
+        })),
+        Pass::Edge => {
+            ClearanceTouches::Switching(Box::new([face(across * 0.8 - way), face(across + way)]))
+        }
+        Pass::Begin => one(face(across * 0.4 + way)),
+        Pass::End => one(face(across * 0.4 - way)),
+    };
+    let events_s = point.event_times_s.iter();
+    TreeClearance {
+        solids: ClearSolids {
+            link: LinkIndex(LAST),
+            against: Against::Link(LinkIndex(other)),
+            from: from.clone(),
+            touches,
+            around_s,
+            reach_s: match pass {
+                Pass::Ball | Pass::Edge => 0.006,
+                Pass::Begin | Pass::End => 1.0,
+            },
+            least_m: -0.001,
+            depth_m: 0.0,
+        },
+        places: [LAST, other],
+        piece: MotionPiece {
+            node: problem.node_of(around_s),
+            events_before: events_s.filter(|event_s| **event_s < around_s).count(),
+        },
+        about_s: around_s,
+    }
+}
+
+/// Puts clearances of all kinds into a problem, checks that they are least where they should, and their derivatives.
+fn check_kept(mut problem: TreeProblem, point: &TreePoint, around_s: f64) {
+    let still = KeptFrom::Still(Frame {
+        position_m: Vector3::new(0.1, -0.2, 0.3),
+        orientation: crate::math::so3::exp(&Vector3::new(0.4, -0.3, 0.2)),
+    });
+    let held = problem
+        .hands
+        .iter()
+        .map(|hand| KeptFrom::Held(Box::new(hand.clone())));
+    let mut others = vec![(still, LAST), (KeptFrom::Flying, FIRST)];
+    others.extend(held.map(|held| (held, LAST)));
+    if problem.forest.link_count() > LAST + 1 {
+        others.push((KeptFrom::Flying, LAST + 1));
+    }
+    for (from, other) in &others {
+        let each = PASSES.map(|pass| clearance(&problem, point, (from, *other), around_s, pass));
+        problem.clearances = each.to_vec();
+        let line = point.time_line(&problem);
+        for (of, pass) in each.iter().zip(PASSES) {
+            let [begin_s, end_s] = of.piece.ends(&problem, &line, point).map(|end| end.time_s);
+            let least_s = problem.least_s(of, point).expect("a moment");
+            let off_s = (least_s - around_s).abs();
+            match pass {
+                Pass::Ball | Pass::Edge => assert!(off_s < 0.003, "{pass:?}: {off_s}"),
+                Pass::Begin => assert_eq!(least_s, begin_s, "{from:?}"),
+                Pass::End => assert_eq!(least_s, end_s, "{from:?}"),
+            }
+        }
+        check(&problem, point);
+    }
+}
+
+/// Between two impacts, and from a node on, by a tempo and by laws: of what stands, and of another rod.
+#[test]
+fn rows_of_clearances_are_those_of_differences() {
+    const FREE: &str = "\n[[free]]\nquantity = \"hit.restitution\"\n\n[[free]]\nquantity = \"rod 2.mass\"\nprior_sd = 0.1\n";
+    for stamps in ["\"physical\"", "\"tempo\"", &format!("\"physical\"{FREE}")] {
+        let mut problem = struck(stamps);
+        for nodes_s in [vec![0.0], vec![0.0, 0.047]] {
+            problem.nodes_s = nodes_s;
+            let nodes = vec![some_state(&problem); problem.nodes_s.len()];
+            let mut point = TreePoint::new(&problem, nodes);
+            if let Some(log) = point.log_paces.first_mut() {
+                *log += 0.02;
+            }
+            let line = point.time_line(&problem);
+            let times_s = [0.034, 0.038, 0.066, 0.094].map(|acted_s| line.time_s(acted_s));
+            let around_s = line.time_s(0.056);
+            point.event_times_s = times_s.to_vec();
+            if let [restitution, mass] = point.parameters.as_mut_slice() {
+                (*restitution, *mass) = (0.45, 0.11);
+            }
+            check_kept(problem.clone(), &point, around_s);
+        }
+    }
+}
