@@ -3,7 +3,6 @@
 use super::clearance::TreeClearance;
 use super::optimum::{Solved, finished};
 use super::overlapping::OverlappingTrees;
-use super::trajectory::Trajectory;
 use crate::estimate::posing::clearance::again::{KeptClearance, just_passed, renewed, with};
 use crate::motion::{Doubt, Estimate, Observer, Penetration, Scene};
 use crate::optimise::Schedule;
@@ -58,7 +57,8 @@ impl Solved {
     pub fn just_passed(&self, tolerance_m: f64) -> Vec<Doubt> {
         let held = self.clearances().filter(|of| of.is_held);
         let held: Vec<TreeClearance> = held.map(|of| of.of).collect();
-        just_passed(held.iter(), tolerance_m, |of| self.least_s(of))
+        let least_s = |of: &TreeClearance| self.problem.least_s(of, &self.solution.point);
+        just_passed(held.iter(), tolerance_m, least_s)
     }
 
     /// Whether samples err in time.
@@ -75,22 +75,7 @@ impl Solved {
         clearances.map(|(of, pull)| KeptClearance {
             of: of.clone(),
             is_held: *pull != 0.0,
-            least_s: self.least_s(of),
+            least_s: self.problem.least_s(of, &self.solution.point),
         })
-    }
-
-    /// When the features of one are nearest \[s\].
-    fn least_s(&self, of: &TreeClearance) -> Option<f64> {
-        let point = &self.solution.point;
-        let problem = &*self.problem.as_told(point);
-        let line = &point.time_line(problem);
-        let ends = of.piece.ends(problem, line, point);
-        let node = of.piece.node;
-        let [from_s, _] = ends.map(|end| end.time_s);
-        let node_s = line.time_s(problem.interval_s(node)[0]);
-        let mut trajectory = Trajectory::plain(problem, line, &point.nodes[node], node_s);
-        problem.follow(point, node_s, from_s, &mut trajectory);
-        let least = of.least(problem, ends, &mut trajectory)?;
-        Some(least.moment.time_s)
     }
 }

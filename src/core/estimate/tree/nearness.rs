@@ -148,3 +148,18 @@ impl TreeClearance {
         }
     }
 }
+
+impl TreeProblem {
+    /// When the features of a clearance are nearest \[s\].
+    pub(super) fn least_s(&self, of: &TreeClearance, point: &TreePoint) -> Option<f64> {
+        let this = &*self.as_told(point);
+        let line = &point.time_line(this);
+        let ends = of.piece.ends(this, line, point);
+        let node = of.piece.node;
+        let node_s = line.time_s(this.interval_s(node)[0]);
+        let mut trajectory = Trajectory::plain(this, line, &point.nodes[node], node_s);
+        this.follow(point, node_s, ends[0].time_s, &mut trajectory);
+        let least = of.least(this, ends, &mut trajectory)?;
+        Some(least.moment.time_s)
+    }
+}

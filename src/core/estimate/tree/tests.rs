@@ -1,5 +1,7 @@
 //! The programs of a chain and of a flail with a box against differences.
 
+mod clearance;
+
 use nalgebra::{DMatrix, DVector, Vector3};
 use typed_index_collections::TiVec;
 
@@ -75,10 +77,8 @@ fn derivatives_are_those_of_differences() {
     }
 }
 
-/// Rods that hang from a hand that swings, with a waypoint within a step and an impact: derivatives by their times and by the
-/// states of three nodes.
-#[test]
-fn derivatives_in_a_hand_are_those_of_differences() {
+/// Rods that hang from a hand that swings, with a waypoint within a step and an impact.
+fn in_hand() -> TreeProblem {
     let text = include_str!("../../../../config/chain.toml");
     let (before, after) = text.split_at(text.find("[[event]]\nname = \"end\"").expect("an end"));
     let way = "[[event]]\nname = \"by\"\nkind = \"waypoint\"\nbody = \"rod 2\"\n\n\
@@ -115,6 +115,13 @@ fn derivatives_in_a_hand_are_those_of_differences() {
     let mut problem = TreeProblem::new(&scene, &sketch);
     assert!(problem.forest.trees()[0].is_in_hand());
     problem.step_s = 0.01;
+    problem
+}
+
+/// Derivatives in a hand by times of events and by the states of three nodes.
+#[test]
+fn derivatives_in_a_hand_are_those_of_differences() {
+    let mut problem = in_hand();
     for nodes_s in [vec![0.0], vec![0.0, 0.035, 0.07]] {
         problem.nodes_s = nodes_s;
         let nodes = problem.nodes_s.iter().map(|time_s| TreeState {
