@@ -5,6 +5,7 @@ mod air;
 mod groups;
 mod hand;
 mod impacts;
+mod keep_out;
 mod landings;
 mod laws;
 mod meetings;

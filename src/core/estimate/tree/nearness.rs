@@ -69,7 +69,7 @@ impl MotionPiece {
 }
 
 impl TreeClearance {
-    /// When its features are nearest on the motion between these ends, on which the trajectory is; that is led astray.
+    /// When its features are nearest on the motion between these ends, on which the trajectory is; that goes back.
     /// `None` where features have no distance.
     pub(super) fn least(
         &self,
@@ -78,8 +78,6 @@ impl TreeClearance {
         trajectory: &mut Trajectory,
     ) -> Option<LeastStop> {
         let ends_s = ends.map(|end| end.time_s);
-        let [from_s, _] = self.solids.window_s(ends_s);
-        trajectory.advance(Stop::known(from_s));
         let mut aside = trajectory.aside();
         let mut snapshot = ForestSnapshot::new(&problem.forest, &problem.gravity_m_s2);
         let moment = LeastMoment::of(&self.solids, ends_s, &mut |contact, time_s| {

@@ -146,10 +146,11 @@ impl<'t> Trajectory<'t> {
         }
     }
 
-    /// Another from the state now on, without derivatives.
+    /// The same flow by itself, without derivatives; this one goes back to its beginning.
     pub(super) fn aside(&mut self) -> Trajectory<'t> {
+        self.advance(Stop::known(self.begun.time_s));
         let state = self.flow.state();
-        Self::begun(self.problem, self.line, &state, self.now, false)
+        Self::begun(self.problem, self.line, &state, self.begun, false)
     }
 
     /// Goes on, or back, to a time. The state is no number at one that is farther from the motion than that lasts: an event

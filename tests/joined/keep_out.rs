@@ -1,0 +1,319 @@
+//! Joined bodies keep out of things: what a hand's wander leads into a wall, a floor or a board is mended, and what can only
+//! be had through something is never called physical.
+
+use enact::config::scene_from_toml;
+use enact::motion::{About, Doubt, Estimate, GoalSet, GoalTarget, TakeEvent, Verdict};
+use enact::physics::tree::Snapshot;
+use enact::pipeline::{Outcome, Pipeline};
+use enact::verify::overlaps;
+use enact_tools::tree_impacts::{Acted, Form, Struck, strike};
+use enact_tools::trees::{self, Jointed, Kind, ROD_M, TreeActing, TreePerformance};
+use nalgebra::Vector3;
+
+/// How far the true rods pass \[m\].
+const PASSES_M: f64 = 0.001;
+/// Radius of a rod \[m\].
+const RADIUS_M: f64 = 0.005;
+/// Half the thickness of a wall \[m\].
+const HALF_M: f64 = 0.02;
+/// Greatest share by which a motion is farther from its samples for being kept out.
+const FARTHER: f64 = 1.2;
+
+const PENDULUMS: [Kind; 3] = [
+    Kind::pendulum(2, Jointed::Pin),
+    Kind::pendulum(2, Jointed::Universal),
+    Kind::pendulum(3, Jointed::Ball),
+];
+
+/// What is beside a motion: something to a side of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Beside {
+    Wall,
+    Floor,
+    Board,
+}
+
+impl Beside {
+    /// The ways to it from the motion.
+    fn ways(self) -> Vec<Vector3<f64>> {
+        match self {
+            Self::Wall => vec![Vector3::y(), -Vector3::y(), Vector3::x(), -Vector3::x()],
+            Self::Floor | Self::Board => vec![-Vector3::z()],
+        }
+    }
+
+    /// It, so far away along a way \[m\].
+    fn toml(self, way: &Vector3<f64>, off_m: f64) -> String {
+        let list = |of: Vector3<f64>| format!("[{:?}, {:?}, {:?}]", of.x, of.y, of.z);
+        let surface = format!(
+            "\n[[surface]]\nname = \"floor\"\npoint_mm = {}\nnormal = [0, 0, 1]\n",
+            list(way * (1e3 * off_m))
+        );
+        match self {
+            Self::Floor => surface,
+            Self::Board => surface + "size_mm = [3000, 3000]\nthickness_mm = 30\n",
+            Self::Wall => {
+                let half_m = Vector3::repeat(3.0) - way.abs() * (3.0 - HALF_M);
+                format!(
+                    "\n[[obstacle]]\nname = \"wall\"\nshape = {{ kind = \"cuboid\", size_mm = {} }}\nposition_mm = {}\n",
+                    list(half_m * 2e3),
+                    list(way * (1e3 * (off_m + HALF_M)))
+                )
+            }
+        }
+    }
+}
+
+/// How far the true rods reach along a way \[m\], and at which share of the motion.
+fn reach(performance: &TreePerformance, way: &Vector3<f64>) -> (f64, f64) {
+    let (scene, tree) = (&performance.scene, performance.tree());
+    let states = trees::motion(
+        scene,
+        &tree,
+        &performance.truth,
+        performance.duration_s,
+        2000.0,
+    );
+    let mut snapshot = Snapshot::new(&tree, &scene.gravity_m_s2);
+    let mut farthest = (f64::NEG_INFINITY, 0.0);
+    for (index, state) in states.iter().enumerate() {
+        snapshot.set(state);
+        for link in 0..scene.links.len() {
+            let of = snapshot.link_state(link);
+            let along = way.dot(&(of.orientation * Vector3::z()));
+            let off_m = 0.5 * ROD_M * along.abs() + RADIUS_M * (1.0 - along * along).sqrt();
+            let reach_m = way.dot(&of.position_m) + off_m;
+            if reach_m > farthest.0 {
+                farthest = (reach_m, index as f64 / states.len() as f64);
+            }
+        }
+    }
+    farthest
+}
+
+/// Rods that pass beside something on their way, as a hand acts them.
+fn beside(kind: &Kind, what: Beside, distortion: f64, seed: u64) -> Option<TreePerformance> {
+    let acting = TreeActing {
+        asks_start: false,
+        ..TreeActing::of(distortion)
+    };
+    let mut performance = trees::perform(kind, &acting, seed);
+    let ways = what.ways();
+    let tried = (0..ways.len()).map(|at| ways[(at + seed as usize) % ways.len()]);
+    let mut reaches = tried.map(|way| (way, reach(&performance, &way)));
+    let (way, (reach_m, _)) = reaches.find(|(_, (_, share))| (0.15..0.85).contains(share))?;
+    performance.scene_toml += &what.toml(&way, reach_m + PASSES_M);
+    performance.scene = scene_from_toml(&performance.scene_toml).expect("a valid scene");
+    Some(performance)
+}
+
+fn pipeline(performance: &TreePerformance) -> Pipeline {
+    Pipeline::of(
+        performance.scene.clone(),
+        performance.events.iter().cloned(),
+    )
+}
+
+fn grave(estimate: &Estimate) -> Vec<&Doubt> {
+    let doubts = estimate.doubts.iter();
+    doubts
+        .filter(|doubt| doubt.about.best() != Verdict::Physical)
+        .collect()
+}
+
+fn has(estimate: &Estimate, about: About) -> bool {
+    estimate.doubts.iter().any(|doubt| doubt.about == about)
+}
+
+fn overlap_m(outcome: &Outcome) -> f64 {
+    let found = overlaps(&outcome.scene, &outcome.estimate, &mut ());
+    found.iter().map(|of| of.depth_m).fold(0.0, f64::max)
+}
+
+#[test]
+fn measure() {
+    let number =
+        |name: &str, other: f64| std::env::var(name).map_or(other, |of| of.parse().unwrap());
+    let distortion = number("DIST", 3.0);
+    let (first, count) = (number("FIRST", 8200.0) as u64, number("COUNT", 20.0) as u64);
+    for what in [Beside::Wall, Beside::Floor, Beside::Board] {
+        for kind in &PENDULUMS {
+            let (mut tried, mut overlapped, mut mended) = (0, 0, 0);
+            for seed in first..first + count {
+                let Some(performance) = beside(kind, what, distortion, seed) else {
+                    continue;
+                };
+                tried += 1;
+                let before = pipeline(&performance)
+                    .estimate(&mut ())
+                    .expect("an estimate");
+                if !has(&before.estimate, About::Overlap) {
+                    continue;
+                }
+                overlapped += 1;
+                let after = pipeline(&performance).finish(&mut ()).expect("an answer");
+                let is_well = after.estimate.verdict == Verdict::Physical;
+                mended += usize::from(is_well);
+                let abouts =
+                    |of: &Estimate| -> Vec<About> { of.doubts.iter().map(|of| of.about).collect() };
+                println!(
+                    "{what:?} {kind:?} {seed}: {is_well} objective {:.1} {:.1}, depth {:.4} {:.4}, steps {} {} {:?} {:?} fits {:?}",
+                    before.estimate.objective,
+                    after.estimate.objective,
+                    overlap_m(&before),
+                    overlap_m(&after),
+                    before.estimate.counters.iterations,
+                    after.estimate.counters.iterations,
+                    abouts(&before.estimate),
+                    abouts(&after.estimate),
+                    before.estimate.fits(),
+                );
+            }
+            println!(
+                "SUM {what:?} {kind:?}: {tried} tried, {overlapped} overlapped, {mended} mended"
+            );
+        }
+    }
+}
+
+#[test]
+fn measure_struck() {
+    let of = |links, joints, hangs_m, impacts| Struck {
+        form: Form::Rod,
+        links,
+        joints,
+        hangs_m,
+        impacts,
+        law: [0.5, 0.2],
+    };
+    for kind in [
+        of(2, Jointed::Universal, Some(0.35), 1),
+        of(2, Jointed::Ball, None, 1),
+        of(2, Jointed::Pin, None, 2),
+        of(3, Jointed::Universal, None, 1),
+    ] {
+        let (mut tried, mut overlapped, mut mended) = (0, 0, 0);
+        for seed in 8200..8220 {
+            let strike = strike(&kind, &Acted::of(1.0), seed);
+            let pipeline = Pipeline::of(strike.scene.clone(), strike.events.iter().cloned());
+            tried += 1;
+            let before = pipeline.estimate(&mut ()).expect("an estimate");
+            if !has(&before.estimate, About::Overlap) && !has(&before.estimate, About::WrongFeature)
+            {
+                continue;
+            }
+            overlapped += 1;
+            let after = pipeline.finish(&mut ()).expect("an answer");
+            let is_well = after.estimate.verdict == Verdict::Physical;
+            mended += usize::from(is_well);
+            let abouts =
+                |of: &Estimate| -> Vec<About> { of.doubts.iter().map(|of| of.about).collect() };
+            println!(
+                "struck {kind:?} {seed}: {is_well} objective {:.1} {:.1}, depth {:.4} {:.4}, {:?} {:?}",
+                before.estimate.objective,
+                after.estimate.objective,
+                overlap_m(&before),
+                overlap_m(&after),
+                abouts(&before.estimate),
+                abouts(&after.estimate),
+            );
+        }
+        println!("SUM struck {kind:?}: {tried} tried, {overlapped} overlapped, {mended} mended");
+    }
+}
+
+/// A pendulum that bounces on a table, of which the scene does not say so.
+fn without_impact(kind: &Struck, seed: u64) -> Pipeline {
+    let strike = strike(kind, &Acted::of(1.0), seed);
+    let mut scene = strike.scene.clone();
+    let mut events = scene.events.iter();
+    let hit = events.position(|event| event.kind.collision().is_some());
+    let hit = hit.expect("an impact");
+    let name = scene.events.remove(hit).name;
+    scene.goals.retain(|goal| goal.event != hit);
+    for goal in &mut scene.goals {
+        goal.event -= usize::from(goal.event > hit);
+    }
+    let is_its = |of: &TakeEvent| {
+        of.mark()
+            .is_some_and(|mark| mark.event.as_ref() == Some(&name))
+    };
+    let events = strike.events.iter().filter(|of| !is_its(of));
+    Pipeline::of(scene, events.cloned())
+}
+
+/// A pendulum of two rods that hits a table once.
+const BOUNCING: Struck = Struck {
+    form: Form::Rod,
+    links: 2,
+    joints: Jointed::Universal,
+    hangs_m: Some(0.35),
+    impacts: 1,
+    law: [0.5, 0.2],
+};
+
+#[test]
+fn measure_missing() {
+    for seed in 8200..8210 {
+        let pipeline = without_impact(&BOUNCING, seed);
+        let [before, after] =
+            [pipeline.estimate(&mut ()), pipeline.finish(&mut ())].map(|of| of.expect("an answer"));
+        let abouts =
+            |of: &Estimate| -> Vec<About> { of.doubts.iter().map(|of| of.about).collect() };
+        println!(
+            "missing {seed}: objective {:.1} {:.1}, depth {:.4} {:.4}, {:?} {:?} {:?} fits {:?} {:?} steps {} {}",
+            before.estimate.objective,
+            after.estimate.objective,
+            overlap_m(&before),
+            overlap_m(&after),
+            after.estimate.verdict,
+            abouts(&before.estimate),
+            abouts(&after.estimate),
+            before.estimate.fits(),
+            after.estimate.fits(),
+            before.estimate.counters.iterations,
+            after.estimate.counters.iterations,
+        );
+    }
+}
+
+fn tip_into_wall(seed: u64) -> Option<TreePerformance> {
+    let mut performance = beside(&PENDULUMS[0], Beside::Wall, 1.0, seed)?;
+    let wall = &performance.scene.obstacles[0]
+        .world_from_shape
+        .translation
+        .vector;
+    let way = wall.normalize();
+    let way = if way.y.abs() > way.x.abs() {
+        Vector3::y() * way.y.signum()
+    } else {
+        Vector3::x() * way.x.signum()
+    };
+    let GoalTarget::Condition(condition) = &mut performance.scene.goals[0].target else {
+        return None;
+    };
+    let GoalSet::Box { lower, upper } = &mut condition.set else {
+        return None;
+    };
+    // A centimetre into it.
+    let inward_m = wall.dot(&way) - HALF_M + 0.01 - lower.dot(&way);
+    *lower += way * inward_m;
+    *upper += way * inward_m;
+    Some(performance)
+}
+
+#[test]
+fn measure_goal() {
+    for seed in 8200..8206 {
+        let Some(performance) = tip_into_wall(seed) else {
+            continue;
+        };
+        let after = pipeline(&performance).finish(&mut ()).expect("an answer");
+        let abouts: Vec<About> = after.estimate.doubts.iter().map(|of| of.about).collect();
+        println!(
+            "goal {seed} {:?} {abouts:?} {:?}",
+            after.estimate.verdict,
+            after.estimate.fits()
+        );
+    }
+}
