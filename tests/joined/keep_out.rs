@@ -16,13 +16,15 @@ const PASSES_M: f64 = 0.001;
 const RADIUS_M: f64 = 0.005;
 /// Half the thickness of a wall \[m\].
 const HALF_M: f64 = 0.02;
+/// How many times as far as a usual hand one strays that leads rods into things.
+const STRAYING: f64 = 3.0;
 /// Greatest share by which a motion is farther from its samples for being kept out.
 const FARTHER: f64 = 1.2;
 
 const PENDULUMS: [Kind; 3] = [
     Kind::pendulum(2, Jointed::Pin),
     Kind::pendulum(2, Jointed::Universal),
-    Kind::pendulum(3, Jointed::Ball),
+    Kind::pendulum(2, Jointed::Ball),
 ];
 
 /// What is beside a motion: something to a side of it.
@@ -209,13 +211,21 @@ fn measure_struck() {
             let abouts =
                 |of: &Estimate| -> Vec<About> { of.doubts.iter().map(|of| of.about).collect() };
             println!(
-                "struck {kind:?} {seed}: {is_well} objective {:.1} {:.1}, depth {:.4} {:.4}, {:?} {:?}",
+                "struck {kind:?} {seed}: {is_well} objective {:.1} {:.1}, depth {:.5} {:.5}, {:?} {:?} {:?} {:?} {:?}",
                 before.estimate.objective,
                 after.estimate.objective,
                 overlap_m(&before),
                 overlap_m(&after),
                 abouts(&before.estimate),
                 abouts(&after.estimate),
+                overlaps(&before.scene, &before.estimate, &mut ()),
+                before
+                    .estimate
+                    .events
+                    .iter()
+                    .map(|of| of.time_s)
+                    .collect::<Vec<_>>(),
+                before.estimate.fits(),
             );
         }
         println!("SUM struck {kind:?}: {tried} tried, {overlapped} overlapped, {mended} mended");
@@ -316,4 +326,79 @@ fn measure_goal() {
             after.estimate.fits()
         );
     }
+}
+
+#[test]
+fn rods_that_a_hand_led_into_something_are_kept_out_of_it() {
+    let (mut tried, mut overlapped, mut mended) = (0, 0, 0);
+    for what in [Beside::Wall, Beside::Floor, Beside::Board] {
+        for (kind, seed) in PENDULUMS
+            .iter()
+            .flat_map(|kind| (8200..8204).map(move |seed| (kind, seed)))
+        {
+            let Some(performance) = beside(kind, what, STRAYING, seed) else {
+                continue;
+            };
+            let of = pipeline(&performance);
+            let before = of.estimate(&mut ()).expect("an estimate");
+            let after = of.finish(&mut ()).expect("an answer");
+            let said = format!("{what:?} {kind:?} {seed}");
+            tried += 1;
+            if !has(&before.estimate, About::Overlap) {
+                assert_eq!(before.estimate.trees, after.estimate.trees, "{said}");
+                assert_eq!(before.estimate.counters, after.estimate.counters, "{said}");
+                continue;
+            }
+            overlapped += 1;
+            if after.estimate.verdict != Verdict::Physical {
+                // It stays as it was.
+                assert_eq!(before.estimate.trees, after.estimate.trees, "{said}");
+                assert!(has(&after.estimate, About::Overlap), "{said}");
+                continue;
+            }
+            mended += 1;
+            assert_eq!(grave(&after.estimate), Vec::<&Doubt>::new(), "{said}");
+            assert!(has(&after.estimate, About::KeptOut), "{said}");
+            assert!(overlap_m(&after) <= after.scene.tolerance_m, "{said}");
+            let [free, kept] = [&before, &after].map(|of| of.estimate.objective);
+            assert!(
+                kept >= free * (1.0 - 1e-9) && kept <= FARTHER * free,
+                "{said}: {free} {kept}"
+            );
+            let steps = |of: &Outcome| of.estimate.counters.iterations;
+            assert!(steps(&after) > steps(&before), "{said}");
+            for goal in after.given.goals_attained(&after.estimate) {
+                assert!(goal.is_met(), "{said}: {goal:?}");
+            }
+        }
+    }
+    assert!(tried >= 20 && overlapped >= 6, "{overlapped} of {tried}");
+    assert!(10 * mended >= 8 * overlapped, "{mended} of {overlapped}");
+}
+
+/// The scene knows no impact: nothing leads the motion out of the table that is near what was acted.
+#[test]
+fn a_pendulum_whose_impact_is_missing_stays_doubted() {
+    for seed in 8200..8204 {
+        let pipeline = without_impact(&BOUNCING, seed);
+        let outcome = pipeline.finish(&mut ()).expect("an answer");
+        assert_ne!(outcome.estimate.verdict, Verdict::Physical, "{seed}");
+        assert!(!has(&outcome.estimate, About::KeptOut), "{seed}");
+    }
+}
+
+/// The end is asked for within a wall: there is no such motion out of it.
+#[test]
+fn rods_that_can_only_end_in_a_wall_are_not_physical() {
+    let mut tried = 0;
+    for seed in 8200..8206 {
+        let Some(performance) = tip_into_wall(seed) else {
+            continue;
+        };
+        tried += 1;
+        let outcome = pipeline(&performance).finish(&mut ()).expect("an answer");
+        assert_ne!(outcome.estimate.verdict, Verdict::Physical, "{seed}");
+        assert!(has(&outcome.estimate, About::Overlap), "{seed}");
+    }
+    assert!(tried >= 3, "{tried}");
 }

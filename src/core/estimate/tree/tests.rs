@@ -592,6 +592,11 @@ fn curvature_of_legs_is_that_along_all_unknowns() {
 }
 
 fn check(problem: &TreeProblem, point: &TreePoint) {
+    check_by(problem, point, 1.0);
+}
+
+/// The same by differences of so many times the steps.
+fn check_by(problem: &TreeProblem, point: &TreePoint, scale: f64) {
     let rest = vec![problem.forest.at_rest(); point.nodes.len()];
     let of = TreeProgram::new(problem, TreePoint::new(problem, rest));
     let part = Part::whole();
@@ -609,10 +614,13 @@ fn check(problem: &TreeProblem, point: &TreePoint) {
     // Times move within what is smooth about them.
     let times = problem.unknown_of_event(0)..problem.unknown_of_event(problem.events.len());
     let first = problem.unknown_of_parameter(0);
-    let length = |column: usize| match column.checked_sub(first) {
-        Some(parameter) => problem.parameters[parameter].quantity.typical(),
-        None if times.contains(&column) => 0.05,
-        None => 1.0,
+    let length = |column: usize| {
+        scale
+            * match column.checked_sub(first) {
+                Some(parameter) => problem.parameters[parameter].quantity.typical(),
+                None if times.contains(&column) => 0.05,
+                None => 1.0,
+            }
     };
     let values = |delta: &[f64]| {
         let mut moved = point.clone();
