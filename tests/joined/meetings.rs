@@ -251,22 +251,12 @@ fn the_program_reports_the_meeting() {
 fn meetings_that_are_not_done_are_refused() {
     let whole = meet(&KINDS[0], &Acted::of(1.0), 8150).scene_toml;
     assert!(scene_from_toml(&whole).is_ok());
-    for (from, to, said) in [
-        (
-            "other = \"box\"\nother_feature = \"face +z\"",
-            "other = \"rod 1\"\nother_feature = \"end -z\"",
-            "no joint ties",
-        ),
-        ("mass_g = 150\n", "held = true\n", "expected no collision"),
-        (
-            "name = \"box\"\n",
-            "name = \"box\"\ndrag_linear_per_s = 0.1\n",
-            "gravity alone",
-        ),
-    ] {
-        let text = whole.replacen(from, to, 1);
-        assert_ne!(text, whole, "{from}");
-        let error = scene_from_toml(&text).unwrap_err().to_string();
-        assert!(error.contains(said), "{to}: {error}");
-    }
+    let (from, to) = (
+        "other = \"box\"\nother_feature = \"face +z\"",
+        "other = \"rod 1\"\nother_feature = \"end -z\"",
+    );
+    let text = whole.replacen(from, to, 1);
+    assert_ne!(text, whole, "{from}");
+    let error = scene_from_toml(&text).unwrap_err().to_string();
+    assert!(error.contains("no joint ties"), "{error}");
 }

@@ -113,8 +113,6 @@ pub struct TreeActing {
     pub rate_hz: f64,
     /// Whether the whole configuration at the start is a goal.
     pub asks_start: bool,
-    /// Keys of every rod that say what pushes it beside gravity.
-    pub pushes: &'static str,
     /// Slow motion: acted per physical time on the whole, and the standard deviation of the logarithm of the tempo. None:
     /// stamps are physical times.
     pub slowly: Option<[f64; 2]>,
@@ -128,7 +126,6 @@ impl TreeActing {
             noise_m: 0.001,
             rate_hz: RATE_HZ,
             asks_start: true,
-            pushes: "",
             slowly: None,
         }
     }
@@ -233,8 +230,18 @@ pub fn kept() -> (&'static str, TreePerformance) {
 
 /// Acts a motion.
 pub fn perform(kind: &Kind, acting: &TreeActing, seed: u64) -> TreePerformance {
+    perform_as(kind, acting, seed, str::to_owned)
+}
+
+/// Acts a motion in the scene that `said` makes of the usual one.
+pub fn perform_as(
+    kind: &Kind,
+    acting: &TreeActing,
+    seed: u64,
+    said: impl Fn(&str) -> String,
+) -> TreePerformance {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let bare = scene_from_toml(&scene_toml(kind, acting, "")).expect("a valid scene");
+    let bare = scene_from_toml(&said(&scene_toml(kind, acting, ""))).expect("a valid scene");
     let (_, joined) = bare.joint_trees().next().expect("a tree");
     let tree = bare.tree_model(joined);
     let truth = drawn(kind, &tree, &mut random);
@@ -254,7 +261,7 @@ pub fn perform(kind: &Kind, acting: &TreeActing, seed: u64) -> TreePerformance {
         asks_start: acting.asks_start,
     };
     let goals = goals(&asked, (&bare, joined, &tree), &truth, &end_m);
-    let scene_toml = scene_toml(kind, acting, &goals);
+    let scene_toml = said(&scene_toml(kind, acting, &goals));
     let scene = scene_from_toml(&scene_toml).expect("a valid scene");
     let wanders: Vec<Wander> = (0..3)
         .map(|_| Wander::draw(&HAND_POSITION, &mut random))
@@ -406,10 +413,9 @@ fn scene_toml(kind: &Kind, acting: &TreeActing, goals: &str) -> String {
     let tracked = if kind.is_clamped { kind.links - 1 } else { 0 };
     for link in 0..kind.links {
         text += &format!(
-            "\n[[body]]\nname = \"rod {}\"\nshape = {{ kind = \"cylinder\", length_mm = {:?}, radius_mm = 5 }}\nmass_g = 100\n{}",
+            "\n[[body]]\nname = \"rod {}\"\nshape = {{ kind = \"cylinder\", length_mm = {:?}, radius_mm = 5 }}\nmass_g = 100\n",
             link + 1,
             1e3 * ROD_M,
-            acting.pushes,
         );
         if link == tracked {
             let at_mm = if kind.is_clamped { -500.0 * ROD_M } else { 0.0 };

@@ -13,22 +13,10 @@
 
 use nalgebra::Vector3;
 
-use super::field::Field;
-use super::kinematics::Root;
+use super::kinematics::{Kinematics, Root};
 use super::model::Tree;
+use super::pushed::PushedLink;
 use super::spatial::{Force, Motion};
-use crate::physics::body::Body;
-
-/// A link that is pushed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PushedLink {
-    /// Its node.
-    pub node: usize,
-    /// Its centre of mass in the node's frame \[m\].
-    pub centre_m: Vector3<f64>,
-    /// Its mass, the force per mass, drag and lift.
-    pub body: Body,
-}
 
 /// A column on the way from the root to a link.
 struct PushedColumn {
@@ -43,54 +31,62 @@ struct PushedColumn {
 }
 
 impl PushedLink {
-    /// A body of which something but gravity acts on the centre of mass.
-    pub fn is_pushed(body: &Body) -> bool {
-        !body.feels_no_air() || body.force_m_s2() != Vector3::zeros()
-    }
-
-    fn centre(&self, field: &Field) -> Vector3<f64> {
-        let kinematics = &field.kinematics;
+    fn centre(&self, kinematics: &Kinematics) -> Vector3<f64> {
         kinematics.positions[self.node] + kinematics.rotations[self.node] * self.centre_m
     }
 
     /// Velocity of its centre of mass against the air [m/s], in the frame's axes.
-    fn velocity_m_s(&self, field: &Field, root: &Root, centre: &Vector3<f64>) -> Vector3<f64> {
-        root.flying_m_s + field.kinematics.velocities[self.node].at(centre)
+    fn velocity_m_s(
+        &self,
+        kinematics: &Kinematics,
+        root: &Root,
+        centre: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        root.flying_m_s + kinematics.velocities[self.node].at(centre)
     }
 
     /// The push \[N\] in the frame's axes.
-    fn push_n(&self, field: &Field, root: &Root, velocity_m_s: &Vector3<f64>) -> Vector3<f64> {
-        let spin = &field.kinematics.velocities[self.node].angular;
+    fn push_n(
+        &self,
+        kinematics: &Kinematics,
+        root: &Root,
+        velocity_m_s: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        let spin = &kinematics.velocities[self.node].angular;
         let pushed = root.turn.tr_mul(&self.body.force_m_s2());
         (pushed + self.body.air_m_s2(velocity_m_s, spin)) * self.body.mass_kg()
     }
 
-    /// The push where a field is placed.
-    pub fn push(&self, field: &Field, root: &Root) -> Force {
-        let centre = self.centre(field);
-        let force = self.push_n(field, root, &self.velocity_m_s(field, root, &centre));
+    /// The push where the nodes are so.
+    pub fn push(&self, kinematics: &Kinematics, root: &Root) -> Force {
+        let centre = self.centre(kinematics);
+        let force = self.push_n(
+            kinematics,
+            root,
+            &self.velocity_m_s(kinematics, root, &centre),
+        );
         Force {
             moment: centre.cross(&force),
             force,
         }
     }
 
-    /// Takes `∂τ` where a field stands off rows of `stride` numbers, a row per column of the tree: one per coordinate
+    /// Takes `∂τ` off rows of `stride` numbers, a row per column of the tree: one per coordinate
     /// that counts, then one per rate.
     pub fn take_change(
         &self,
         tree: &Tree,
-        field: &Field,
+        kinematics: &Kinematics,
         root: &Root,
         rows: &mut [f64],
         stride: usize,
     ) {
         let turned = tree.first_turned();
         let by_rate = tree.columns - turned;
-        let centre = self.centre(field);
-        let velocity = self.velocity_m_s(field, root, &centre);
-        let push = self.push_n(field, root, &velocity);
-        let columns = self.columns(tree, field, root, &centre, &velocity);
+        let centre = self.centre(kinematics);
+        let velocity = self.velocity_m_s(kinematics, root, &centre);
+        let push = self.push_n(kinematics, root, &velocity);
+        let columns = self.columns(tree, kinematics, root, &centre, &velocity);
         for (at, of) in columns.iter().enumerate() {
             for (other, by) in columns.iter().enumerate() {
                 // The way begins at the link: what comes later is nearer to the root.
@@ -113,12 +109,11 @@ impl PushedLink {
     fn columns(
         &self,
         tree: &Tree,
-        field: &Field,
+        kinematics: &Kinematics,
         root: &Root,
         centre: &Vector3<f64>,
         velocity_m_s: &Vector3<f64>,
     ) -> Vec<PushedColumn> {
-        let kinematics = &field.kinematics;
         let own = kinematics.velocities[self.node];
         let mass_kg = self.body.mass_kg();
         let by_velocity = self.body.air_by_velocity_per_s(velocity_m_s, &own.angular);
@@ -129,7 +124,8 @@ impl PushedLink {
         let mut above = Some(self.node);
         while let Some(index) = above {
             let node = &tree.nodes[index];
-            let (hung_from, _) = field.above(node, root);
+            let above_it = node.parent.map(|parent| kinematics.velocities[parent]);
+            let hung_from = above_it.unwrap_or(root.velocity);
             let against = own - hung_from;
             for column in node.columns() {
                 let axis = kinematics.axes[column];

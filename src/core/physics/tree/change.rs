@@ -87,7 +87,7 @@ impl Change {
             self.passive(tree, node, coordinates);
         }
         for link in &tree.pushed {
-            link.take_change(tree, field, root, &mut self.rows, self.stride);
+            link.take_change(tree, &field.kinematics, root, &mut self.rows, self.stride);
         }
         for number in &mut self.rows {
             *number = -*number;

@@ -74,7 +74,7 @@ impl Field {
         if !tree.pushed.is_empty() {
             self.loads.copy_from_slice(&self.forces);
             for link in &tree.pushed {
-                let push = link.push(self, root);
+                let push = link.push(&self.kinematics, root);
                 self.loads[link.node] += push * -1.0;
             }
         }

@@ -16,6 +16,7 @@ mod kinematics;
 mod link_state;
 mod model;
 mod points;
+mod pushed;
 mod snapshot;
 mod spatial;
 mod stages;

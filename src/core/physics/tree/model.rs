@@ -6,10 +6,10 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::air::PushedLink;
 use super::error::TreeError;
 use super::hand::Hand;
 use super::joint::{Joint, JointKind};
+use super::pushed::PushedLink;
 use super::spatial::Inertia;
 use crate::math::{Pose, so3};
 use crate::physics::body::Body;

@@ -2,7 +2,7 @@
 
 use super::tried::{Tried, TriedField};
 use crate::estimate::tree::{Detail, Solved};
-use crate::motion::{Doubt, Estimate, Fits, Observer, Penetration, Scene};
+use crate::motion::{Doubt, Estimate, Fits, Observer, Penetration, Scene, Touch};
 use crate::pipeline::keep_out::{Leadable, goes_into_something, kept_out, only_overlaps};
 
 /// A motion on its way out.
@@ -11,6 +11,8 @@ struct LeadableTrees<'f> {
     scene: Scene,
     solved: Solved,
     estimate: Estimate,
+    /// What touches what at its events.
+    touches: Vec<Touch>,
 }
 
 impl Leadable for LeadableTrees<'_> {
@@ -22,7 +24,15 @@ impl Leadable for LeadableTrees<'_> {
         &self.estimate
     }
 
+    /// Of what hits at an event the time of that may be wrong, and not the way: such a motion is not led out.
     fn keep_apart(&mut self, found: &[Penetration], observer: &mut dyn Observer) -> bool {
+        let is_hit = |of: &Penetration| {
+            let mut touches = self.touches.iter();
+            touches.any(|touch| touch.link == of.link && touch.against == of.against)
+        };
+        if found.iter().any(is_hit) {
+            return false;
+        }
         let scene = self.scene.as_estimated(&self.estimate);
         let solved = &mut self.solved;
         let is_apart = solved.keep_apart(&scene, &self.estimate, found, observer);
@@ -53,6 +63,10 @@ impl TriedField<'_> {
             scene: tried.scene.clone(),
             solved: tried.solved.clone(),
             estimate: tried.estimate.clone(),
+            touches: tried
+                .verification
+                .as_ref()
+                .map_or_else(Vec::new, |of| of.touches.clone()),
         };
         let Some(led) = kept_out(start, observer) else {
             return tried;
