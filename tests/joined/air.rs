@@ -57,18 +57,22 @@ fn an_exact_sketch_gives_the_air_back() {
 #[test]
 fn drag_is_told_within_its_deviation() {
     let quantity = Quantity::QuadraticDrag { link: LinkIndex(1) };
-    let mut within = 0;
-    for seed in 8410..8420 {
-        let performance = pushed(&Kind::pendulum(2, Jointed::Universal), 2e-4, seed);
-        let mut scene = performance.scene.clone();
-        scene.parameters = vec![scene.freed(quantity, 0.0)];
-        let estimate = finished(scene, &performance.events);
-        let found = &estimate.parameters[0];
-        let said = (found, &estimate.reason, &estimate.doubts);
-        let sd = found.sd.unwrap_or_else(|| panic!("{seed}: {said:?}"));
-        within += usize::from((found.value - 0.2).abs() < 2.0 * sd);
+    // What pins let turn stays in a plane, out of which a goal holds nothing.
+    for joints in [Jointed::Pin, Jointed::Universal] {
+        let within = (8410..8420).filter(|seed| {
+            let performance = pushed(&Kind::pendulum(2, joints), 2e-4, *seed);
+            let mut scene = performance.scene.clone();
+            scene.parameters = vec![scene.freed(quantity, 0.0)];
+            let estimate = finished(scene, &performance.events);
+            let found = &estimate.parameters[0];
+            let said = (found, &estimate.reason, &estimate.doubts);
+            let sd = found.sd.unwrap_or_else(|| panic!("{seed}: {said:?}"));
+            assert!(sd > 1e-4, "{said:?}");
+            (found.value - 0.2).abs() < 2.0 * sd
+        });
+        let within = within.count();
+        assert!(within >= 8, "{joints:?}: {within} of 10");
     }
-    assert!(within >= 8, "{within} of 10");
 }
 
 /// A ball that the air slows and pushes a little moves alike by itself and as a tree of one link, tied to a lamp by a goal that

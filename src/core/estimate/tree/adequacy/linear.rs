@@ -25,7 +25,8 @@ use crate::optimise::{Program, System};
 
 /// A pivot below which a row depends on others.
 const DEPENDENT: f64 = 1e-7;
-/// Share of the largest singular value below which a direction of the rows is none.
+/// Share of the largest singular value below which a direction of the rows is none, and share of the longest row below which
+/// a row is rounding: out of the plane of pins nothing moves, so that a goal there holds nothing.
 const SINGULAR: f64 = 1e-10;
 
 /// Residuals and rows of a motion.
@@ -190,12 +191,15 @@ impl Linear {
     /// What holds the motion.
     pub(super) fn held(&self) -> HeldDirections {
         let size = self.by.ncols();
-        let rows: Vec<DVector<f64>> = self.rows_by.row_iter().map(|row| row.transpose()).collect();
+        let mut rows: Vec<DVector<f64>> =
+            self.rows_by.row_iter().map(|row| row.transpose()).collect();
+        let longest = rows.iter().map(|row| row.norm()).fold(0.0, f64::max);
+        rows.retain(|row| row.norm() > SINGULAR * longest);
         let span = Span::of(&rows, size, DEPENDENT);
         let basis = span.beyond(DMatrix::identity(size, size)).transpose();
         let across = span.basis();
         let along_rows = if span.rank() == 0 {
-            DMatrix::zeros(size, rows.len())
+            DMatrix::zeros(size, self.rows_by.nrows())
         } else {
             let held = (&self.rows_by * &across).svd(true, true);
             let least = SINGULAR * held.singular_values.max();
