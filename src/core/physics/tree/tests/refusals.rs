@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::examples::{PIN, UNIVERSAL, rods};
 use crate::physics::Body;
+use crate::physics::support::{Pivot, PivotAxes, Support};
 use crate::physics::tree::{JointKind, Tree, TreeError};
 
 #[test]
@@ -48,6 +49,15 @@ fn wrong_trees_are_refused_by_name() {
     );
     let infinite = refused(&|links| links[2].body = Body::IMMOVABLE);
     assert!(matches!(infinite, TreeError::Mass { link: 2, .. }));
+    let pivot = Support::Pivot(Pivot {
+        at_m: Vector3::zeros(),
+        axes: PivotAxes::All,
+        damping_n_m_s: 0.0,
+    });
+    assert_eq!(
+        refused(&|links| links[1].body = links[1].body.with_support(Some(pivot))),
+        TreeError::Support { link: 1 }
+    );
     assert_eq!(
         refused(&|links| links[0].joint.damping_n_m_s = 1.0),
         TreeError::Passive { link: 0 }
