@@ -44,12 +44,18 @@ fn drawn(
 ) -> Vector3<f64> {
     const WHILE_S: f64 = 1e-3;
     let mut snapshot = ForestSnapshot::new(&problem.forest, &problem.gravity_m_s2);
-    let mut apart = |time_s: f64| {
+    let mut both = |time_s: f64| {
         let (acted_s, _) = point.time_line(problem).acted_s(time_s);
         snapshot.set(&problem.state_at(point, acted_s));
         let own = snapshot.link_state(LAST);
         let met = given_state(from, time_s).unwrap_or_else(|| snapshot.link_state(other));
-        own.position_m + own.orientation * POINT_M - met.position_m
+        (own.position_m + own.orientation * POINT_M, met)
+    };
+    let (there, met) = both(around_s);
+    let on_met = met.orientation.inverse() * (there - met.position_m);
+    let mut apart = |time_s: f64| {
+        let (there, met) = both(time_s);
+        there - met.position_m - met.orientation * on_met
     };
     apart(around_s + WHILE_S) + apart(around_s - WHILE_S) - 2.0 * apart(around_s)
 }
