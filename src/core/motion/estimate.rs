@@ -185,6 +185,14 @@ pub struct SegmentResidual {
     pub orientation_rms_rad: Option<f64>,
 }
 
+/// What is left of some samples.
+#[derive(Clone, Copy)]
+struct SeenRms {
+    samples: usize,
+    /// Of places \[m\] and of turns \[rad\], where they are seen.
+    kinds: [Option<f64>; 2],
+}
+
 /// A quantity that the performance does not determine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Undetermined {
@@ -283,17 +291,25 @@ impl Counters {
 }
 
 impl Estimate {
+    /// What is left of the samples of each flight and of joined bodies, of one track each.
+    fn rms_of_each(&self) -> impl Iterator<Item = SeenRms> + Clone + '_ {
+        let of_flights = self.residuals.iter().map(|of| SeenRms {
+            samples: of.samples,
+            kinds: [of.position_rms_m, of.orientation_rms_rad],
+        });
+        let of_trees = self.trees.iter().flat_map(|tree| &tree.residuals);
+        let of_trees = of_trees.map(|of| SeenRms {
+            samples: of.samples,
+            kinds: [of.position_rms_m, of.orientation_rms_rad],
+        });
+        of_flights.chain(of_trees)
+    }
+
     /// Root mean square distance \[m\] and angle \[rad\] from all samples that show them.
     pub fn residual_rms(&self) -> (f64, f64) {
-        let of_flights = self.residuals.iter();
-        let of_flights =
-            of_flights.map(|of| (of.samples, [of.position_rms_m, of.orientation_rms_rad]));
-        let of_trees = self.trees.iter().flat_map(|tree| &tree.residuals);
-        let of_trees = of_trees.map(|of| (of.samples, [of.position_rms_m, of.orientation_rms_rad]));
-        let all: Vec<(usize, [Option<f64>; 2])> = of_flights.chain(of_trees).collect();
         let rms = |kind: usize| {
-            let seen = all.iter();
-            let seen = seen.filter_map(|(samples, rms)| Some((*samples as f64, rms[kind]?)));
+            let seen = self.rms_of_each();
+            let seen = seen.filter_map(|of| Some((of.samples as f64, of.kinds[kind]?)));
             // The sum of nothing is not minus zero.
             let sum = seen
                 .clone()
@@ -302,6 +318,13 @@ impl Estimate {
             (sum / samples.max(1.0)).sqrt()
         };
         (rms(0), rms(1))
+    }
+
+    /// Number of residuals of samples: three of each place and of each turn that is seen.
+    pub fn residual_count(&self) -> usize {
+        let each = self.rms_of_each();
+        each.map(|of| 3 * of.samples * of.kinds.iter().flatten().count())
+            .sum()
     }
 
     /// Whether the motion explains its performance: one that failed, or is doubted for its distance from the samples,

@@ -117,20 +117,7 @@ pub(super) fn kept_out<M: Leadable>(mut motion: M, observer: &mut dyn Observer) 
 fn is_near(objective: f64, motion: &impl Leadable) -> bool {
     let estimate = motion.estimate();
     let kept = estimate.objective;
-    let numbers = |samples: usize, kinds: [Option<f64>; 2]| {
-        3 * samples * kinds.iter().filter(|kind| kind.is_some()).count()
-    };
-    let of_flights = estimate.residuals.iter().map(|of| {
-        let kinds = [of.position_rms_m, of.orientation_rms_rad];
-        numbers(of.samples, kinds)
-    });
-    let of_trees = estimate.trees.iter().flat_map(|tree| &tree.residuals);
-    let of_trees = of_trees.map(|of| {
-        let kinds = [of.position_rms_m, of.orientation_rms_rad];
-        numbers(of.samples, kinds)
-    });
-    let residuals: usize = of_flights.chain(of_trees).sum();
-    let variance = objective / residuals.max(1) as f64;
+    let variance = objective / estimate.residual_count().max(1) as f64;
     let held = motion.just_passed().len();
     let most = DIFFERENCE[0] + DIFFERENCE[1] * held.saturating_sub(1) as f64;
     let farther = kept - objective;
