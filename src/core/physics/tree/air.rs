@@ -71,8 +71,8 @@ impl PushedLink {
         }
     }
 
-    /// Takes `∂τ` off rows of `stride` numbers, a row per column of the tree: one per coordinate
-    /// that counts, then one per rate.
+    /// Takes `∂τ` off rows of `stride` numbers, a row per column of the tree: one per coordinate, which all count where
+    /// something is pushed, then one per rate.
     pub fn take_change(
         &self,
         tree: &Tree,
@@ -81,8 +81,6 @@ impl PushedLink {
         rows: &mut [f64],
         stride: usize,
     ) {
-        let turned = tree.first_turned();
-        let by_rate = tree.columns - turned;
         let centre = self.centre(kinematics);
         let velocity = self.velocity_m_s(kinematics, root, &centre);
         let push = self.push_n(kinematics, root, &velocity);
@@ -96,11 +94,8 @@ impl PushedLink {
                     false => of.axis.angular.cross(&by.arm),
                 };
                 let row = of.column * stride;
-                if by.column >= turned {
-                    rows[row + by.column - turned] -=
-                        of.arm.dot(&by.by_coordinate) + moved.dot(&push);
-                }
-                rows[row + by_rate + by.column] -= of.arm.dot(&by.by_rate);
+                rows[row + by.column] -= of.arm.dot(&by.by_coordinate) + moved.dot(&push);
+                rows[row + tree.columns + by.column] -= of.arm.dot(&by.by_rate);
             }
         }
     }

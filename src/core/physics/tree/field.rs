@@ -71,16 +71,15 @@ impl Field {
         }
         self.articulated
             .factor(tree, &self.inertias, &self.kinematics.axes);
-        if !tree.pushed.is_empty() {
-            self.loads.copy_from_slice(&self.forces);
-            for link in &tree.pushed {
-                let push = link.push(&self.kinematics, root);
-                self.loads[link.node] += push * -1.0;
-            }
-        }
         let loads = match tree.pushed.is_empty() {
             true => &self.forces,
-            false => &self.loads,
+            false => {
+                self.loads.copy_from_slice(&self.forces);
+                for link in &tree.pushed {
+                    self.loads[link.node] += link.push(&self.kinematics, root) * -1.0;
+                }
+                &self.loads
+            }
         };
         self.base = self.articulated.solve(tree, loads, &mut self.rates_by_time);
     }
