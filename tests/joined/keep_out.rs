@@ -220,13 +220,14 @@ fn rods_that_a_hand_led_into_something_are_kept_out_of_it() {
     assert!(mended >= 5, "{mended} of {overlapped}");
 }
 
-/// The scene knows no impact: nothing leads the motion out of the table that is near what was acted.
+/// The scene knows no impact, so that the motion is far from its samples as well: it is not led farther from them.
 #[test]
 fn a_pendulum_whose_impact_is_missing_stays_doubted() {
     for seed in 8200..8204 {
         let pipeline = without_impact(&BOUNCING, seed);
         let outcome = pipeline.finish(&mut ()).expect("an answer");
         assert_ne!(outcome.estimate.verdict, Verdict::Physical, "{seed}");
+        assert!(has(&outcome.estimate, About::Residual), "{seed}");
         assert!(!has(&outcome.estimate, About::KeptOut), "{seed}");
     }
 }
@@ -243,6 +244,9 @@ fn rods_that_were_led_through_a_wall_stay_doubted() {
         let before = of.estimate(&mut ()).expect("an estimate");
         let after = of.finish(&mut ()).expect("an answer");
         through += 1;
+        // Nothing else speaks against it, so that leading it out is tried.
+        let is_overlap = |doubt: &&Doubt| doubt.about == About::Overlap;
+        assert!(grave(&before.estimate).iter().all(is_overlap), "{seed}");
         assert_eq!(before.estimate.trees, after.estimate.trees, "{seed}");
         assert_ne!(after.estimate.verdict, Verdict::Physical, "{seed}");
         assert!(has(&after.estimate, About::Overlap), "{seed}");

@@ -43,21 +43,25 @@ fn inverse_dynamics_undoes_accelerations_and_agrees_with_the_mass_matrix() {
     }
 }
 
-/// Against differences of the accelerations along right perturbations.
+/// How far derivatives of accelerations are off differences along right perturbations, of the greatest entry.
+pub fn derivatives_off(tree: &Tree, state: &TreeState) -> f64 {
+    let freedoms = tree.freedoms();
+    let mut snapshot = Snapshot::new(tree, &GRAVITY);
+    snapshot.set(state);
+    let mut exact = DMatrix::zeros(freedoms, 2 * freedoms);
+    snapshot.acceleration_derivatives(&mut exact);
+    off(&exact, |delta| {
+        accelerations(tree, &tree.retract(state, delta))
+    })
+}
+
 #[test]
 fn derivatives_of_accelerations_are_exact() {
     let mut random = Random::default();
     for (name, tree) in trees() {
         for _ in 0..4 {
             let state = some_state(&tree, &mut random, 1.5, 4.0);
-            let freedoms = tree.freedoms();
-            let mut snapshot = Snapshot::new(&tree, &GRAVITY);
-            snapshot.set(&state);
-            let mut exact = DMatrix::zeros(freedoms, 2 * freedoms);
-            snapshot.acceleration_derivatives(&mut exact);
-            let off = off(&exact, |delta| {
-                accelerations(&tree, &tree.retract(&state, delta))
-            });
+            let off = derivatives_off(&tree, &state);
             assert!(off < 1e-9, "{name}: {off:e}");
         }
     }

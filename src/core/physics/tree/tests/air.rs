@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::examples::{GRAVITY, UNIVERSAL, ball, off, pushed, pushed_trees, rod, rods, some_state};
 use super::hand::{STILL, hand, swung};
+use super::{accelerations, flow as of_flow};
 use crate::math::Pose;
 use crate::math::random::Random;
 use crate::physics::tree::tableau::DORMAND_PRINCE;
@@ -48,19 +49,7 @@ fn derivatives_of_accelerations_are_exact() {
             time_s: 0.3,
             ..some_state(&tree, &mut random, 1.5, 4.0)
         };
-        let freedoms = tree.freedoms();
-        let accelerations = |state: &TreeState| {
-            let mut snapshot = Snapshot::new(&tree, &GRAVITY);
-            snapshot.set(state);
-            let mut result = vec![0.0; freedoms];
-            snapshot.accelerations(&mut result);
-            result
-        };
-        let mut snapshot = Snapshot::new(&tree, &GRAVITY);
-        snapshot.set(&state);
-        let mut exact = DMatrix::zeros(freedoms, 2 * freedoms);
-        snapshot.acceleration_derivatives(&mut exact);
-        let off = off(&exact, |delta| accelerations(&tree.retract(&state, delta)));
+        let off = accelerations::derivatives_off(&tree, &state);
         assert!(off < 1e-8, "{name}: {off:e}");
     }
 }
@@ -73,19 +62,7 @@ fn derivatives_of_the_flow_are_those_of_its_steps() {
             time_s: 0.3,
             ..some_state(&tree, &mut random, 1.0, 3.0)
         };
-        let size = 2 * tree.freedoms();
-        let mut flow = Flow::new(&tree, &GRAVITY, DORMAND_PRINCE);
-        let mut exact = DMatrix::zeros(size, size);
-        flow.begin(&state, true);
-        flow.reach(0.097, 0.04);
-        let end = flow.state();
-        flow.jacobian(&mut exact);
-        let off = off(&exact, |delta| {
-            let mut flow = Flow::new(&tree, &GRAVITY, DORMAND_PRINCE);
-            flow.begin(&tree.retract(&state, delta), false);
-            flow.reach(0.097, 0.04);
-            tree.minus(&flow.state(), &end)
-        });
+        let off = of_flow::derivatives_off(&tree, &state, 0.097, 0.04);
         assert!(off < 5e-9, "{name}: {off:e}");
     }
 }

@@ -5,7 +5,30 @@ use nalgebra::{DMatrix, DVector};
 use super::examples::{GRAVITY, PIN, chain, off, rods, some_state, trees};
 use crate::math::random::Random;
 use crate::physics::tree::tableau::DORMAND_PRINCE;
-use crate::physics::tree::{Flow, Snapshot, Tree};
+use crate::physics::tree::{Flow, Snapshot, Tree, TreeState};
+
+/// How far derivatives of a flow in such steps are off differences, by the state at its start and by its time, of the greatest
+/// entry.
+pub fn derivatives_off(tree: &Tree, state: &TreeState, elapsed_s: f64, step_s: f64) -> f64 {
+    let size = 2 * tree.freedoms();
+    let mut flow = Flow::new(tree, &GRAVITY, DORMAND_PRINCE);
+    let mut exact = DMatrix::zeros(size, size);
+    flow.begin(state, true);
+    flow.reach(elapsed_s, step_s);
+    let end = flow.state();
+    flow.jacobian(&mut exact);
+    let rate = flow.rate();
+    let exact = DMatrix::from_fn(size, size + 1, |row, column| match column < size {
+        true => exact[(row, column)],
+        false => rate[row],
+    });
+    off(&exact, |delta| {
+        let mut flow = Flow::new(tree, &GRAVITY, DORMAND_PRINCE);
+        flow.begin(&tree.retract(state, &delta[..size]), false);
+        flow.reach(elapsed_s + delta[size], step_s);
+        tree.minus(&flow.state(), &end)
+    })
+}
 
 /// Coarse steps, so that the discrete map is not the continuous one, to their ends and to times within them, forwards
 /// and backwards: 5e-9 of the greatest entry, which differences give.
@@ -14,25 +37,8 @@ fn derivatives_of_the_flow_are_those_of_its_steps() {
     let mut random = Random::default();
     for (name, tree) in trees() {
         let state = some_state(&tree, &mut random, 1.0, 3.0);
-        let size = 2 * tree.freedoms();
         for (elapsed_s, step_s) in [(0.08, 0.04), (0.097, 0.04), (0.011, 0.04), (-0.07, 0.03)] {
-            let mut flow = Flow::new(&tree, &GRAVITY, DORMAND_PRINCE);
-            let mut exact = DMatrix::zeros(size, size);
-            flow.begin(&state, true);
-            flow.reach(elapsed_s, step_s);
-            let end = flow.state();
-            flow.jacobian(&mut exact);
-            let rate = flow.rate();
-            let exact = DMatrix::from_fn(size, size + 1, |row, column| match column < size {
-                true => exact[(row, column)],
-                false => rate[row],
-            });
-            let off = off(&exact, |delta| {
-                let mut flow = Flow::new(&tree, &GRAVITY, DORMAND_PRINCE);
-                flow.begin(&tree.retract(&state, &delta[..size]), false);
-                flow.reach(elapsed_s + delta[size], step_s);
-                tree.minus(&flow.state(), &end)
-            });
+            let off = derivatives_off(&tree, &state, elapsed_s, step_s);
             assert!(off < 5e-9, "{name} {elapsed_s}: {off:e}");
         }
     }
